@@ -1,0 +1,1 @@
+"""Scenes, runs and result folders."""

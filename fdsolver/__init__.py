@@ -1,0 +1,1 @@
+"""Koiter plate and membrane solver: Green's-theorem finite differences and dynamic relaxation."""

@@ -1,0 +1,27 @@
+"""A boundary-value problem: sheet, mesh, edge conditions and the start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from fdsolver.edges import EdgeCondition
+from fdsolver.grid import Grid
+from fdsolver.material import Sheet
+
+
+@dataclass(frozen=True)
+class Problem:
+    """All that a relaxation needs to know of a scene.
+
+    grid_of : node count -> Grid of the same shape and map, for the coarser levels of a nested run.
+    perturbation : amplitude of the random out-of-plane start at the free nodes, in units of grid.length_mm.
+    seed : of that perturbation.
+    """
+
+    sheet: Sheet
+    edges: Mapping[str, EdgeCondition]
+    grid: Grid
+    grid_of: Callable[[int], Grid]
+    perturbation: float = 1e-6
+    seed: int = 0

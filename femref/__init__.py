@@ -1,0 +1,1 @@
+"""Independent finite-element reference on scikit-fem."""
