@@ -1,0 +1,26 @@
+"""Settings of every test run: no display, and where the verification runs write."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+# before anything imports matplotlib
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--results",
+        metavar="DIR",
+        default=os.environ.get("WRINKLE_BENCHMARK_OUT", "runs/benchmark"),
+        help="folder of the verification runs' results (default: $WRINKLE_BENCHMARK_OUT or runs/benchmark)",
+    )
+
+
+@pytest.fixture(scope="session")
+def project() -> Path:
+    """The top folder of the checkout."""
+    return Path(__file__).resolve().parents[1]
