@@ -1,8 +1,8 @@
 """Logically rectangular meshes: node positions, zone and node areas, quality, and what is refused.
 
-A zone (i, j) has the corners a = (i, j), b = (i+1, j), c = (i+1, j+1), d = (i, j+1) in this (positive) order. The areas are
-those of the Green's-theorem differences (MODEL section 3; Taylor et al. 2014, Eqs. 53, 58). The meshes of the three shapes
-are made in `fdsolver.meshes`.
+A zone (i, j) has the corners a = (i, j), b = (i+1, j), c = (i+1, j+1), d = (i, j+1), counter-clockwise. Zone
+areas are those of the Green's-theorem differences (MODEL section 3; Taylor et al. 2014, Eq. 58). The meshes
+of the three shapes are made in `fdsolver.meshes`.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Grid:
     length_mm : scaling length L of the problem, mm.
     breaks : values of xi at which the map (xi, eta) -> u has a kink; empty for a smooth map.
 
-    Raises GridError for arrays of the wrong shape or type, positions that are not finite, edges that name no node, and for a
-    zone whose area is not positive (named by its indices and place).
+    Raises GridError for arrays of the wrong shape or type, positions that are not finite, edges that name no
+    node, and for a zone whose area is not positive (named by its indices and place).
     """
 
     shape: str
@@ -77,14 +77,17 @@ class Grid:
 
     @cached_property
     def zone_area(self) -> np.ndarray:
-        """(zone rows, nj - 1) float64, mm^2. Area of each zone, half the cross product of its diagonals [58]."""
+        """(zone rows, nj - 1) float64, mm^2. Half the cross product of each zone's diagonals [58]."""
         a, b, c, d = zone_corners(self.u, self.closed)
         p, q = c - a, d - b
         return 0.5 * (p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0])
 
     @cached_property
     def node_area(self) -> np.ndarray:
-        """(ni, nj) float64, mm^2. A quarter of the areas of the zones that meet at the node; sums to the sheet's area."""
+        """(ni, nj) float64, mm^2. A quarter of the areas of the zones that meet at the node.
+
+        The sum is the area of the sheet (of the polygon that the mesh covers).
+        """
         quarter = 0.25 * self.zone_area
         row = np.zeros((quarter.shape[0], self.nj))
         row[:, :-1] += quarter
@@ -101,8 +104,8 @@ class Grid:
 class Quality:
     """How far the zones are from squares.
 
-    smallest_angle_deg : smallest inner angle of any zone, degrees; 90 is best, negative means a folded corner.
-    largest_aspect : largest ratio of a zone's two mean edge lengths (means of opposite edge vectors); 1 is best.
+    smallest_angle_deg : smallest inner angle of any zone, degrees; 90 is best; a folded corner is negative.
+    largest_aspect : largest ratio of a zone's two mid-lines (means of opposite edge vectors); 1 is best.
     smallest_zone_area_mm2 : mm^2.
     """
 
@@ -112,7 +115,7 @@ class Quality:
 
 
 def zone_corners(field: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Corner values a, b, c, d of every zone, each (zone rows, nj - 1, ...), of a nodal field (ni, nj, ...)."""
+    """Values of a nodal field (ni, nj, ...) at each zone's corners a, b, c, d, (zone rows, nj - 1, ...) each."""
     following = np.roll(field, -1, axis=0) if closed else field[1:]
     first = field if closed else field[:-1]
     return first[:, :-1], following[:, :-1], following[:, 1:], first[:, 1:]
@@ -180,6 +183,6 @@ def _check_areas(area: np.ndarray, u: np.ndarray) -> None:
     i, j = bad[0]
     x, y = 0.25 * (u[i, j] + u[i, j + 1] + u[(i + 1) % len(u), j] + u[(i + 1) % len(u), j + 1])
     raise GridError(
-        f"zone ({i}, {j}) at ({x:.6g}, {y:.6g}) mm has the area {area[i, j]:.6g} mm^2; every zone area must be positive"
-        f" and finite ({len(bad)} of {area.size} zones are not)"
+        f"zone ({i}, {j}) at ({x:.6g}, {y:.6g}) mm has the area {area[i, j]:.6g} mm^2;"
+        f" every zone area must be positive and finite ({len(bad)} of {area.size} zones are not)"
     )
