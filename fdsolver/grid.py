@@ -115,7 +115,7 @@ class Quality:
 
 
 def zone_corners(field: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Values of a nodal field (ni, nj, ...) at each zone's corners a, b, c, d, (zone rows, nj - 1, ...) each."""
+    """Values of a nodal field (ni, nj, ...) at the zones' corners a, b, c, d, (zone rows, nj - 1, ...)."""
     following = np.roll(field, -1, axis=0) if closed else field[1:]
     first = field if closed else field[:-1]
     return first[:, :-1], following[:, :-1], following[:, 1:], first[:, 1:]

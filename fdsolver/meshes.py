@@ -153,7 +153,7 @@ def _corner_fraction(width: float, height: float) -> Fraction:
 
 
 def _sides(ni: int, last: int, corner: int) -> dict[str, np.ndarray]:
-    """Sides of the rectangle on column `last`, clockwise, with their corners; the first is at row `corner`."""
+    """Sides of the rectangle on column `last`, clockwise, corners in both; the first at row `corner`."""
 
     def side(start: int, stop: int) -> np.ndarray:
         return _edge(np.arange(start, stop + 1) % ni, last)

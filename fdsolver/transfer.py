@@ -1,8 +1,8 @@
 """Interpolation of nodal fields between two meshes of one shape, in the logical coordinates (xi, eta).
 
 The map (xi, eta) -> u of a shape is the same at every node count (`fdsolver.meshes`), so a field that is
-smooth on the sheet is smooth in (xi, eta), but for kinks along the rows `Grid.breaks`. There the cubic
-splines are only continuous.
+smooth on the sheet is smooth in (xi, eta), but for kinks along the rows `Grid.breaks`: there the splines are
+only continuous.
 """
 
 from __future__ import annotations
@@ -23,17 +23,25 @@ def prolong(field: np.ndarray, coarse: Grid, fine: Grid) -> np.ndarray:
     coarse, fine : meshes of the same shape, sizes and bias; `fine` may also be the coarser one.
 
     Returns (fine.ni, fine.nj, ...) float64: tensor products of cubic splines (error of fourth order),
-    periodic in xi on closed meshes, cut at `breaks`; constants, and cubics of eta (of xi too on open
-    meshes), are exact. Raises GridError if the meshes differ in shape, closedness or breaks, or the field
-    does not fit `coarse`.
+    periodic in xi on closed meshes, cut at `breaks`. Constants are exact, and so are cubics where the spline
+    is not periodic.
+    Raises GridError if the meshes differ in shape, closedness or breaks, or the field does not fit `coarse`.
     """
     if (coarse.shape, coarse.closed, coarse.breaks) != (fine.shape, fine.closed, fine.breaks):
-        raise GridError(f"a field of a mesh of shape {coarse.shape} cannot go to one of shape {fine.shape}")
+        raise GridError(
+            f"a field on a mesh of shape {coarse.shape} (breaks {coarse.breaks}) cannot go to one of"
+            f" shape {fine.shape} (breaks {fine.breaks})"
+        )
     if field.shape[:2] != (coarse.ni, coarse.nj):
-        raise GridError(f"the field has the shape {field.shape}; its mesh has {coarse.ni} x {coarse.nj}
-        nodes") along_eta = CubicSpline(coarse.eta, field, axis=1)(fine.eta) if not coarse.closed: return
-        _pieces(coarse.xi, along_eta, coarse.breaks, fine.xi) if not coarse.breaks: periodic =
-        CubicSpline(*_closed(coarse.xi, along_eta), bc_type="periodic") return periodic(fine.xi)
+        raise GridError(
+            f"the field has the shape {field.shape}; its mesh has {coarse.ni} x {coarse.nj} nodes"
+        )
+    along_eta = CubicSpline(coarse.eta, field, axis=1)(fine.eta)
+    if not coarse.closed:
+        return _pieces(coarse.xi, along_eta, coarse.breaks, fine.xi)
+    if not coarse.breaks:
+        periodic = CubicSpline(*_closed(coarse.xi, along_eta), bc_type="periodic")
+        return periodic(fine.xi)
     # One turn from the first break to its repetition, so that no piece runs across the seam of xi.
     first = coarse.breaks[0]
     start = _row_of(first, coarse.xi)
@@ -49,7 +57,7 @@ def _closed(xi: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def _pieces(xi: np.ndarray, values: np.ndarray, breaks: tuple[float, ...], places: np.ndarray) -> np.ndarray:
-    """Cubic splines (not-a-knot) along the first axis, one between each two neighbours of the ends and `breaks`."""
+    """Not-a-knot cubic splines along the first axis, one between each two of the ends and `breaks`."""
     rows = [0, *(_row_of(value, xi) for value in breaks), len(xi) - 1]
     result = np.empty((len(places), *values.shape[1:]))
     for low, high in zip(rows[:-1], rows[1:], strict=True):
