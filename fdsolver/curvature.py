@@ -19,7 +19,10 @@ condensation of the unknown curvature: no moment across the edge. The bending en
     sum over nodes  K11 b1^2/2 + K12 b1 b2 + K22 b2^2/2 + (K13 b1 + K23 b2) <b12> + (K33 - Ks) <b12>^2/2
   + sum over zones  C33 b12^2/2,     Ks = A_n / (R D^-1 R^T)_33,   C33 = sum over the corners of Ks / m.
 
-The zone term keeps the twist of every zone: the mean <b12> alone is blind to the checkerboard.
+The zone term keeps the twist of every zone: the mean <b12> alone is blind to the checkerboard. Where the
+twists of the m zones answer one curvature differently, their mean square exceeds the square of their mean: by
+second order on smooth meshes, but by a finite part where the mesh has a kink. Nodes on a kink (Grid.breaks)
+therefore give nothing to the zone term, Ks = 0; their zones are held by the other corners, b1 and b2.
 """
 
 from __future__ import annotations
@@ -107,8 +110,10 @@ def curvature_constants(grid: Grid, sheet: Sheet, supports: Mapping[str, str]) -
     stiffness *= area
     twist_stiffness *= area
 
-    share = twist_stiffness * weight
     K11, K12, K22, K13, K23, K33_rest = stiffness
+    kink = _kink_rows(grid)
+    K33_rest[kink] += twist_stiffness[kink]
+    twist_stiffness[kink] = 0.0
     return CurvatureConstants(
         K11=K11,
         K12=K12,
@@ -116,13 +121,13 @@ def curvature_constants(grid: Grid, sheet: Sheet, supports: Mapping[str, str]) -
         K13=K13,
         K23=K23,
         K33_rest=K33_rest,
-        C33=_corner_sum(share, closed),
+        C33=_corner_sum(twist_stiffness * weight, closed),
         twist_weight=weight,
         c1=c1,
         c2=c2,
         clamped1=clamped1,
         clamped2=clamped2,
-        orthogonal=not (K13.any() or K23.any()),
+        orthogonal=not (K13.any() or K23.any() or K33_rest.any()),
     )
 
 
@@ -142,6 +147,13 @@ def _clamped_nodes(grid: Grid, supports: Mapping[str, str]) -> tuple[np.ndarray,
         along_i = np.all(j == j[0]) and j[0] in (0, nj - 1)
         (clamped2 if along_i else clamped1)[i, j] = True
     return clamped1, clamped2
+
+
+def _kink_rows(grid: Grid) -> np.ndarray:
+    """Rows at which the mesh has a kink, (ni,) bool."""
+    breaks = np.asarray(grid.breaks, dtype=float)
+    # xi and the breaks are the same fractions computed in two ways
+    return np.any(np.abs(grid.xi[:, None] - breaks) < 1e-9, axis=1)
 
 
 def _quadratics(v: np.ndarray) -> np.ndarray:
