@@ -1,0 +1,98 @@
+"""Specialised kernels: the force of a model on a mesh, compiled with just the effects that are on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from fdsolver import membrane, plate
+from fdsolver.curvature import curvature_constants
+from fdsolver.grid import Grid
+from fdsolver.material import Sheet
+from fdsolver.model import Model
+from fdsolver.rows import MOST_COLUMNS, PITCH, threaded
+
+
+@threaded
+def membrane_bands(law, r, f, zone, energy, rows, columns, closed, scratch):
+    """`membrane.band` on as many bands of rows as there are scratch arrays, one thread each."""
+    bands = scratch.shape[0]
+    for k in numba.prange(bands):
+        start, stop = k * rows // bands, (k + 1) * rows // bands
+        membrane.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k])
+
+
+@threaded
+def plate_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, c33):
+    """`plate.band` on as many bands of rows as there are scratch arrays, one thread each."""
+    bands = scratch.shape[0]
+    for k in numba.prange(bands):
+        start, stop = k * rows // bands, (k + 1) * rows // bands
+        plate.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k], node, c33)
+
+
+@dataclass(frozen=True)
+class Force:
+    """Force and energy of a model on one mesh, in scaled units (lengths / L, stresses / Y).
+
+    law : membrane law. zone : (5, zone rows, nj - 1) of `membrane.zone_constants`. node : (7, ni, nj) and c33 :
+    (zone rows, nj - 1), bending constants, or None: bending is off. scratch : one flat array per thread.
+    """
+
+    law: tuple
+    rows: int
+    columns: int
+    closed: bool
+    zone: np.ndarray
+    node: np.ndarray | None
+    c33: np.ndarray | None
+    scratch: np.ndarray
+    row_energy: np.ndarray
+
+    def __call__(self, r: np.ndarray, f: np.ndarray) -> np.ndarray:
+        """Write the force -dE/dr on every node, fixed ones included, into f; return (membrane, bending) energy.
+
+        r, f : (3, ni, nj) float64, C-contiguous. The energies are summed by rows in order: same bits for any
+        number of threads.
+        """
+        threads = self.scratch.shape[0]
+        mesh = (self.zone.reshape(-1), self.row_energy, self.rows, self.columns, self.closed)
+        place = (0, self.rows, self.scratch[0]) if threads == 1 else (self.scratch,)
+        if self.node is None or self.c33 is None:
+            evaluate = membrane.band if threads == 1 else membrane_bands
+            evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place)
+        else:
+            evaluate = plate.band if threads == 1 else plate_bands
+            bending = (self.node.reshape(-1), self.c33.reshape(-1))
+            evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place, *bending)
+        return self.row_energy.sum(axis=1)
+
+
+def build_force(grid: Grid, sheet: Sheet, model: Model, supports: Mapping[str, str], threads: int = 1) -> Force:
+    """Return the force of a model on a mesh, specialised to its effects.
+
+    supports : edge name -> "free", "pinned" or "clamped". threads : bands of rows that run side by side.
+
+    Raises ValueError for rows longer than the kernels' scratch, and from `curvature_constants`.
+    """
+    if grid.nj > MOST_COLUMNS:
+        raise ValueError(f"a mesh line has {grid.nj} nodes; the kernels take at most {MOST_COLUMNS}")
+    node, c33, slots = None, None, membrane.SLOTS
+    if model.bending:
+        k = curvature_constants(grid, sheet, supports)
+        node = np.stack([k.K11, k.K12, k.K22, k.K13, k.K23, k.K33_rest, k.twist_weight])
+        c33, slots = np.ascontiguousarray(k.C33), plate.SLOTS
+    return Force(
+        law=model.law(sheet.poisson),
+        rows=grid.ni,
+        columns=grid.nj,
+        closed=grid.closed,
+        zone=membrane.zone_constants(grid),
+        node=node,
+        c33=c33,
+        scratch=np.zeros((threads, slots * PITCH)),
+        row_energy=np.zeros((2, grid.ni)),
+    )

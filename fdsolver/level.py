@@ -1,0 +1,53 @@
+"""One mesh of a nested run: its force, its free nodes, its scale, and how a run starts on it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fdsolver.effects import Force, build_force
+from fdsolver.grid import Grid
+from fdsolver.model import Model
+from fdsolver.problem import Problem
+from fdsolver.start import fixed_nodes, perturb, smooth_start
+from fdsolver.transfer import prolong
+
+
+class Level:
+    """A problem on one mesh, in the engine's scaled units.
+
+    fixed : (ni, nj) bool, supported nodes. weight : (ni, nj), L / L_n at free nodes and 0 at fixed ones (`relax.residual`).
+    """
+
+    def __init__(self, problem: Problem, model: Model, grid: Grid, threads: int) -> None:
+        self.problem = problem
+        self.grid = grid
+        self.fixed = fixed_nodes(grid, problem.edges)
+        supports = {name: condition.support for name, condition in problem.edges.items()}
+        self.force: Force = build_force(grid, problem.sheet, model, supports, threads)
+        self.weight = ~self.fixed * (grid.length_mm / np.sqrt(grid.node_area))
+
+    @property
+    def flat(self) -> np.ndarray:
+        """(ni, nj, 3), mm. The undeformed sheet."""
+        return np.concatenate([self.grid.u, np.zeros((self.grid.ni, self.grid.nj, 1))], axis=-1)
+
+    def scaled(self, r: np.ndarray) -> np.ndarray:
+        """Positions (ni, nj, 3) in mm as the engine's (3, ni, nj) in lengths L."""
+        return np.ascontiguousarray(np.moveaxis(r, -1, 0)) / self.grid.length_mm
+
+    def unscaled(self, r: np.ndarray) -> np.ndarray:
+        """The engine's positions (3, ni, nj) as (ni, nj, 3) in mm."""
+        return np.ascontiguousarray(np.moveaxis(r, 0, -1)) * self.grid.length_mm
+
+    def start(self) -> np.ndarray:
+        """The interpolated start with its perturbation, (3, ni, nj) scaled."""
+        return self.scaled(self._perturbed(smooth_start(self.grid, self.problem.edges)))
+
+    def start_from(self, coarse: Level, r: np.ndarray) -> np.ndarray:
+        """The state r of a coarser level on this mesh, with this mesh's own edge positions; (3, ni, nj) scaled."""
+        carried = prolong(coarse.unscaled(r) - coarse.flat, coarse.grid, self.grid) + self.flat
+        carried[self.fixed] = smooth_start(self.grid, self.problem.edges)[self.fixed]
+        return self.scaled(self._perturbed(carried))
+
+    def _perturbed(self, r: np.ndarray) -> np.ndarray:
+        return perturb(r, self.grid, self.fixed, self.problem.perturbation, self.problem.seed)

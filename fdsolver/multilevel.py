@@ -1,0 +1,173 @@
+"""Nested meshes: relax on a coarse mesh, carry the displacement to the next finer one, relax again."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numba
+import numpy as np
+
+from fdsolver.level import Level
+from fdsolver.model import Model
+from fdsolver.problem import Problem
+from fdsolver.relax import Progress, Settings, State, begin, relax
+from fdsolver.result import Solution, Status
+from fdsolver.solution import assemble
+from fdsolver.warm import compile_kernels
+
+COARSEST = 1000  # nodes: below this a coarser level saves nothing
+RATIO = 4  # nodes of a level over those of the next coarser one
+SAVE_SECONDS = 5.0  # between two checkpoints
+
+
+class Store(Protocol):
+    """Where checkpoints go (`fdsolver.checkpoint.Checkpoint`)."""
+
+    def save(self, state: Mapping[str, Any]) -> None:
+        """Replace the stored state."""
+
+    def load(self) -> Mapping[str, Any] | None:
+        """The stored state, or None."""
+
+
+@dataclass
+class Run:
+    """Where a nested run stands; with `state` it is all that a checkpoint holds.
+
+    level : index of the present mesh, coarsest first. done : summaries of the finished levels. history : rows
+    (level, step, energy, kinetic, residual, restart) of the finished levels, scaled.
+    """
+
+    state: State
+    level: int = 0
+    done: list[dict[str, float]] = field(default_factory=list)
+    history: list[tuple[float, ...]] = field(default_factory=list)
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+
+    def as_arrays(self) -> dict[str, Any]:
+        """The run as named arrays and strings."""
+        state = {f"state_{name}": value for name, value in self.state.as_arrays().items()}
+        history = np.asarray(self.history, dtype=float).reshape(-1, 6)
+        own = {"level": self.level, "done": json.dumps(self.done), "history": history}
+        return {**state, **own, "seconds": self.seconds, "cpu_seconds": self.cpu_seconds}
+
+    @classmethod
+    def from_arrays(cls, saved: Mapping[str, Any]) -> Run:
+        """The run that `as_arrays` gave."""
+        state = {name.removeprefix("state_"): value for name, value in saved.items() if name.startswith("state_")}
+        return cls(
+            state=State.from_arrays(state),
+            level=int(saved["level"]),
+            done=json.loads(str(saved["done"])),
+            history=[tuple(row) for row in np.asarray(saved["history"]).tolist()],
+            seconds=float(saved["seconds"]),
+            cpu_seconds=float(saved["cpu_seconds"]),
+        )
+
+    def finish_level(self, nodes: int) -> None:
+        """Move the state's history and summary over to the finished levels."""
+        state = self.state
+        self.history += [(float(self.level), *row) for row in state.history]
+        self.done.append(
+            {
+                "nodes": nodes,
+                "steps": state.step,
+                "force_evaluations": state.evaluations,
+                "residual": state.residual,
+                "energy": state.history[-1][1],
+                "seconds": state.seconds,
+            }
+        )
+
+
+def level_nodes(nodes: int, levels: int | None) -> list[int]:
+    """Node counts of the nested meshes, coarsest first; `levels` None chooses."""
+    counts = [nodes]
+    while len(counts) < levels if levels else counts[-1] >= RATIO * COARSEST:
+        if counts[-1] // RATIO < 400:
+            break
+        counts.append(counts[-1] // RATIO)
+    return counts[::-1]
+
+
+def solve(
+    problem: Problem,
+    model: Model,
+    settings: Settings = Settings(),
+    progress: Callable[[Progress], None] | None = None,
+    checkpoint: Store | None = None,
+) -> Solution:
+    """Relax a problem through nested meshes, from the interpolated start or from a checkpoint.
+
+    The result is bit-equal whether or not the run was stopped and resumed in between. Raises ValueError for settings
+    that cannot be, GridError for meshes, CheckpointError for a checkpoint of another run.
+    """
+    numba.set_num_threads(settings.threads)
+    seconds_compile = compile_kernels(problem, model, settings.threads)
+    counts = level_nodes(problem.grid.nodes, settings.levels)
+    grids = [problem.grid_of(nodes) for nodes in counts[:-1]] + [problem.grid]
+    clock = _Clock()
+    saved = checkpoint.load() if checkpoint is not None else None
+    run = Run.from_arrays(saved) if saved is not None else None
+    level = Level(problem, model, grids[run.level if run else 0], settings.threads)
+    if run is None:
+        run = Run(begin(level.start()))
+    status = Status.CONVERGED
+    while True:
+        clock.charge(run)
+        limits = replace(settings, max_seconds=settings.max_seconds - run.seconds + run.state.seconds)
+        watch = _watcher(run, level, len(grids), settings, clock, progress, checkpoint)
+        status = relax(level.force, ~level.fixed, level.weight, run.state, limits, watch)
+        clock.charge(run)
+        if status is Status.INTERRUPTED and checkpoint is not None:
+            checkpoint.save(run.as_arrays())
+        run.finish_level(level.grid.nodes)
+        if run.level + 1 == len(grids) or status in (Status.INTERRUPTED, Status.TIME_LIMIT, Status.NOT_FINITE):
+            break
+        coarse, level = level, Level(problem, model, grids[run.level + 1], settings.threads)
+        run.state, run.level = begin(level.start_from(coarse, run.state.r)), run.level + 1
+    return assemble(model, settings, level, status, run, seconds_compile)
+
+
+class _Clock:
+    """Wall and CPU seconds, charged to a run piece by piece so that a resumed run goes on counting."""
+
+    def __init__(self) -> None:
+        self.wall, self.cpu = time.perf_counter(), time.process_time()
+
+    def charge(self, run: Run) -> None:
+        wall, cpu = time.perf_counter(), time.process_time()
+        run.seconds += wall - self.wall
+        run.cpu_seconds += cpu - self.cpu
+        self.wall, self.cpu = wall, cpu
+
+
+def _watcher(
+    run: Run,
+    level: Level,
+    levels: int,
+    settings: Settings,
+    clock: _Clock,
+    progress: Callable[[Progress], None] | None,
+    checkpoint: Store | None,
+) -> Callable[[State], None]:
+    """What happens between blocks: the progress display, and a checkpoint every few seconds."""
+    saved = time.monotonic()
+
+    def watch(state: State) -> None:
+        nonlocal saved
+        clock.charge(run)
+        if progress is not None:
+            rate = state.step / state.seconds if state.seconds > 0.0 else 0.0
+            place = (run.level + 1, levels, level.grid.nodes, state.step)
+            progress(Progress(*place, state.residual, settings.tolerance, rate, run.seconds))
+        if checkpoint is not None and time.monotonic() - saved > SAVE_SECONDS:
+            checkpoint.save(run.as_arrays())
+            saved = time.monotonic()
+
+    return watch

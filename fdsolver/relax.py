@@ -1,0 +1,215 @@
+"""Dynamic relaxation: the only iteration loop of the plate and the membrane (paper section 3.2; MODEL section 4).
+
+Explicit central differences [67-68] of m a + c v = f with a unit time step and masses of our choosing. The loop works
+in blocks of `BLOCK` steps. A block begins with a look at the state: is the force below the tolerance, is everything
+finite, has the strain energy grown beyond what the motion could give it? All that changes between blocks is in
+`State`, so a run continued from a saved state makes the same bits as one that was never stopped.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fdsolver import damping
+from fdsolver.effects import Force
+from fdsolver.mass import nodal_masses
+from fdsolver.result import Status
+from fdsolver.rows import compiled
+
+BLOCK = 10  # steps between two looks at residual and energy
+MASS_EVERY = 10  # blocks between two updates of the masses
+CAP = 5e-4  # largest velocity, lengths L per step: sharp folds form slowly enough to keep zones upright
+GROWTH = 1.02  # a strain energy above this share of the last total energy is an unstable step
+HEAVIER = 1.5  # factor on all masses at each recovery
+RECOVERIES = 12  # before the run is given up
+STALL_STEPS = 20000  # without a lower residual before the masses are raised, and again before giving up
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to relax.
+
+    tolerance : residual at which a state counts as converged.
+    damping : "adaptive" (viscous, from the Rayleigh quotient), "kinetic", "kinetic-published" [72-73] or "viscous".
+    mass : "nodal", "isotropic" or "uniform" (see `mass.nodal_masses`).
+    levels : number of nested meshes; None chooses.
+    max_steps, max_seconds : limits of the whole run. threads : bands of rows side by side.
+    """
+
+    tolerance: float = 1e-6
+    damping: str = "adaptive"
+    mass: str = "nodal"
+    levels: int | None = None
+    max_steps: int = 400_000
+    max_seconds: float = 1800.0
+    threads: int = 1
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a progress display needs: where the run is, how fast, how far from the tolerance."""
+
+    level: int
+    levels: int
+    nodes: int
+    step: int
+    residual: float
+    tolerance: float
+    steps_per_second: float
+    seconds: float
+
+
+@dataclass
+class State:
+    """All that a relaxation carries from block to block.
+
+    r, v : (3, ni, nj) float64, scaled positions and velocities. inverse_mass : (3, ni, nj), 0 at fixed nodes.
+    """
+
+    r: np.ndarray
+    v: np.ndarray
+    inverse_mass: np.ndarray
+    safe: np.ndarray
+    step: int = 0
+    evaluations: int = 0
+    viscosity: float = 0.0
+    since_restart: int = 0
+    mass_factor: float = 1.0
+    total_energy: float = np.inf
+    recoveries: int = 0
+    best_residual: float = np.inf
+    best_step: int = 0
+    stalls: int = 0
+    residual: float = np.inf
+    seconds: float = 0.0
+    history: list[tuple[float, ...]] = field(default_factory=list)  # step, energy, kinetic, residual, restart
+
+    def as_arrays(self) -> dict[str, np.ndarray]:
+        """The state as plain arrays, for a checkpoint."""
+        return {f.name: np.asarray(getattr(self, f.name)) for f in dataclasses.fields(self)}
+
+    @classmethod
+    def from_arrays(cls, arrays: dict[str, np.ndarray]) -> State:
+        """The state that `as_arrays` gave."""
+        values: dict = {}
+        for f in dataclasses.fields(cls):
+            value = np.asarray(arrays[f.name])
+            values[f.name] = value.item() if value.ndim == 0 else value.copy()
+        values["history"] = [tuple(row) for row in np.asarray(arrays["history"]).tolist()]
+        return cls(**values)
+
+
+def begin(r: np.ndarray) -> State:
+    """The state of rest at the positions r (3, ni, nj), scaled."""
+    return State(r=r.copy(), v=np.zeros_like(r), inverse_mass=np.zeros_like(r), safe=r.copy())
+
+
+@compiled
+def _largest_force(f, weight):
+    """Largest |f| * weight over all components, and the sum of squares, which a NaN cannot hide from."""
+    largest = squares = 0.0
+    for k in range(weight.size):
+        for axis in range(3):
+            value = abs(f[axis * weight.size + k]) * weight[k]
+            largest = max(largest, value)
+            squares += value * value
+    return largest, squares
+
+
+def residual(f: np.ndarray, weight: np.ndarray) -> float:
+    """Largest |dE/dr| over free nodes and components / (Y h L_n); NaN if any force is not finite.
+
+    f : (3, ni, nj) float64, scaled. weight : (ni, nj) float64, L / L_n at free nodes, 0 at fixed ones.
+    """
+    largest, squares = _largest_force(f.reshape(-1), weight.reshape(-1))
+    return float(largest) if np.isfinite(squares) else float("nan")
+
+
+def relax(
+    force: Force,
+    free: np.ndarray,
+    weight: np.ndarray,
+    state: State,
+    settings: Settings,
+    on_block: Callable[[State], None] | None = None,
+) -> Status:
+    """Relax `state` in place until its residual is below the tolerance or a limit is met.
+
+    free : (ni, nj) bool. weight : (ni, nj) float64, see `residual`.
+    on_block : called between blocks with the state as it will be continued (progress, checkpoints).
+
+    Returns the Status. On KeyboardInterrupt the state of the last block boundary stands, and INTERRUPTED is returned.
+    """
+    f, old = np.zeros_like(state.r), np.zeros_like(state.r)
+    rule = damping.rule(settings.damping, max(state.r.shape[1:]))
+    while True:
+        started, kept = time.perf_counter(), (state.r.copy(), state.v.copy())
+        try:
+            status = _look(force, weight, state, settings, f)
+            if status is not None:
+                return status
+            if (len(state.history) - 1) % MASS_EVERY == 0:
+                _set_masses(force, free, state, settings.mass)
+            restarts, state.viscosity, state.since_restart = damping.advance(
+                force, state.r, state.v, state.inverse_mass, f, old, rule, state.viscosity, state.since_restart, BLOCK, CAP
+            )
+        except KeyboardInterrupt:
+            state.r[:], state.v[:] = kept
+            return Status.INTERRUPTED
+        state.history[-1] = (*state.history[-1][:4], float(restarts))
+        state.step += BLOCK
+        state.evaluations += BLOCK
+        state.seconds += time.perf_counter() - started
+        if on_block is not None:
+            on_block(state)
+
+
+def _look(force: Force, weight: np.ndarray, state: State, settings: Settings, f: np.ndarray) -> Status | None:
+    """Evaluate the force, record the state, and decide: end (a Status), go back with heavier masses, or go on."""
+    energy = float(force(state.r, f).sum())
+    kinetic = float(damping.kinetic_energy(state.v.reshape(-1), state.inverse_mass.reshape(-1)))
+    state.residual = residual(f, weight)
+    state.history.append((float(state.step), energy, kinetic, state.residual, 0.0))
+    finite = np.isfinite(energy) and np.isfinite(state.residual) and np.isfinite(kinetic)
+    if not finite or energy > GROWTH * state.total_energy + 1e-15:
+        return _recover(force, state, f, finite)
+    state.total_energy = energy + kinetic
+    state.safe[:] = state.r
+    if state.residual < settings.tolerance:
+        return Status.CONVERGED
+    if state.residual < 0.9 * state.best_residual:
+        state.best_residual, state.best_step = state.residual, state.step
+    elif state.step - state.best_step > STALL_STEPS:
+        if state.stalls == 2:
+            return Status.STALLED
+        state.stalls, state.best_step, state.mass_factor = state.stalls + 1, state.step, state.mass_factor * HEAVIER
+    if state.step >= settings.max_steps:
+        return Status.STEP_LIMIT
+    return Status.TIME_LIMIT if state.seconds > settings.max_seconds else None
+
+
+def _recover(force: Force, state: State, f: np.ndarray, finite: bool) -> Status | None:
+    """Go back to the last sound state, at rest and with heavier masses; give up after `RECOVERIES` times."""
+    state.recoveries += 1
+    if state.recoveries > RECOVERIES:
+        return Status.DIVERGED if finite else Status.NOT_FINITE
+    state.r[:], state.v[:] = state.safe, 0.0
+    state.mass_factor *= HEAVIER
+    state.inverse_mass /= HEAVIER
+    state.since_restart, state.viscosity = 0, 0.0
+    state.total_energy = float(force(state.r, f).sum())
+    if not np.isfinite(state.total_energy):
+        return Status.NOT_FINITE  # the state was not sound to begin with: no mass can help
+    return None
+
+
+def _set_masses(force: Force, free: np.ndarray, state: State, kind: str) -> None:
+    """Update the inverse masses to the stiffness of the present state; fixed nodes get 0 and never move."""
+    inverse = free / (state.mass_factor * nodal_masses(force, state.r, kind))
+    state.inverse_mass[0] = state.inverse_mass[1] = inverse[0]
+    state.inverse_mass[2] = inverse[1]

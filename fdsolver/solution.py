@@ -1,0 +1,76 @@
+"""From the final state of a run to the `Solution` that users see: units, reactions, checks, warnings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fdsolver.fields import hourglass_share, reactions, zone_fields
+from fdsolver.level import Level
+from fdsolver.model import Model
+from fdsolver.relax import Settings
+from fdsolver.result import Solution, Status
+
+if TYPE_CHECKING:
+    from fdsolver.multilevel import Run
+
+MOST_HOURGLASS = 0.2  # share above which a result is a checkerboard rather than a deformation
+HISTORY = ("level", "step", "energy", "kinetic", "residual", "restart")
+
+
+def assemble(
+    model: Model, settings: Settings, level: Level, status: Status, run: Run, seconds_compile: float
+) -> Solution:
+    """The Solution of a finished (or stopped) run on its last mesh."""
+    problem, grid = level.problem, level.grid
+    sheet, length = problem.sheet, grid.length_mm
+    force_unit = sheet.young_MPa * sheet.thickness_mm * length
+    f = np.zeros_like(run.state.r)
+    membrane, bending = (level.force(run.state.r, f) * force_unit * length).tolist()
+    r = level.unscaled(run.state.r)
+    fields = zone_fields(grid, sheet, r, relaxed=model.relaxed)
+    hourglass = hourglass_share(grid, r)
+    if status is Status.CONVERGED and max(share or 0.0 for share in hourglass.values()) > MOST_HOURGLASS:
+        status = Status.HOURGLASS
+    history = np.asarray(run.history, dtype=float).reshape(-1, len(HISTORY)).T.copy()
+    history[2:4] *= force_unit * length
+    return Solution(
+        method=model.name,
+        status=status,
+        message=status.sentence,
+        grid=grid,
+        sheet=sheet,
+        r=r,
+        steps=int(sum(row["steps"] for row in run.done)),
+        force_evaluations=int(sum(row["force_evaluations"] for row in run.done)),
+        residual=run.state.residual,
+        seconds=run.seconds,
+        cpu_seconds=run.cpu_seconds,
+        seconds_compile=seconds_compile,
+        energy_N_mm={"total": membrane + bending, "membrane": membrane, "bending": bending},
+        reactions=reactions(grid, problem.edges, r, np.moveaxis(f, 0, -1) * force_unit),
+        zone=fields,
+        history=dict(zip(HISTORY, history, strict=True)),
+        hourglass=hourglass,
+        stability={"stable": None, "how": "not examined", "lowest": None},
+        warnings=tuple(_warnings(level, run, fields.stretch_major)),
+        levels=tuple({**row, "energy": row["energy"] * force_unit * length} for row in run.done),
+        threads=settings.threads,
+        seed=problem.seed,
+    )
+
+
+def _warnings(level: Level, run: Run, stretch_major: np.ndarray) -> list[str]:
+    """What a user should know besides the status."""
+    warnings = []
+    limit, largest = level.problem.sheet.natural_width_limit, float(stretch_major.max())
+    if largest > limit:
+        share = float(np.mean(stretch_major > limit))
+        warnings.append(
+            f"The largest principal stretch, {largest:.4g}, is beyond sqrt(1 + 1/nu) = {limit:.4g}, where the"
+            f" material has no natural width, in {100.0 * share:.2g} % of the zones; such zones are simply tense."
+        )
+    if run.state.recoveries:
+        warnings.append(f"{run.state.recoveries} unstable steps were taken back and the masses raised.")
+    return warnings
