@@ -1,0 +1,256 @@
+"""The methods: what each solves for, its defaults, and how it is called for a scene (DESIGN section 2)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from cases.schema import AnnulusSheet, HoleSheet, Scene
+from fdsolver import meshes
+from fdsolver.checkpoint import Checkpoint
+from fdsolver.edges import EdgeCondition
+from fdsolver.grid import Grid
+from fdsolver.material import Sheet
+from fdsolver.model import KOITER, MEMBRANE, Model
+from fdsolver.problem import Problem
+from fdsolver.relax import Progress, Settings
+from fdsolver.result import Solution
+
+FEWEST_NODES_PER_WRINKLE = 6
+
+
+class MethodError(ValueError):
+    """A method that does not exist, does not fit the scene, or is still to come; the message is one
+    sentence.
+    """
+
+
+@dataclass(frozen=True)
+class Task:
+    """One solve. scene : resolved, with its node count and tolerance."""
+
+    scene: Scene
+    seed: int
+    threads: int
+    progress: Callable[[Progress], None] | None
+    checkpoint: Checkpoint | None
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to solve a scene.
+
+    name : on the command line. title : for tables. bending, wrinkles : whether its energy has bending,
+        whether it resolves
+    single wrinkles. tolerance : default residual. solve : Task -> Solution.
+    """
+
+    name: str
+    title: str
+    bending: bool
+    wrinkles: bool
+    tolerance: float
+    solve: Callable[[Task], Solution]
+
+
+def _tension_field(task: Task) -> Solution:
+    from tensionfield.relaxed import TENSION_FIELD
+
+    return _relaxed_by(TENSION_FIELD, task)
+
+
+def _membrane(task: Task) -> Solution:
+    return _relaxed_by(MEMBRANE, task)
+
+
+def _koiter(task: Task) -> Solution:
+    return _relaxed_by(KOITER, task)
+
+
+def _exact(task: Task) -> Solution:
+    from cases.exact import solve_exact
+
+    return solve_exact(task.scene, grid_of(task.scene)(task.scene.mesh.nodes))
+
+
+METHODS = {
+    method.name: method
+    for method in (
+        Method("tension-field", "tension field (relaxed membrane)", False, False, 1e-8, _tension_field),
+        Method("membrane", "unrelaxed membrane", False, False, 1e-8, _membrane),
+        Method("koiter", "Koiter plate", True, True, 1e-6, _koiter),
+        Method("exact", "closed form", False, False, 1e-10, _exact),
+    )
+}
+LATER = ("koiter-published", "buckling", "postbuckling")
+NAMES = ("auto", *METHODS, *LATER)
+
+
+def choose(scene: Scene, name: str) -> tuple[Method, str]:
+    """The method of this name for a scene, and why (empty unless `auto` chose).
+
+    Raises MethodError for a name that is unknown or belongs to a later version, and for a scene that the
+    method cannot solve.
+    """
+    why = ""
+    if name == "auto":
+        name, why = _automatic(scene)
+    if name in LATER:
+        raise MethodError(
+            f"The method {name} comes with a later version; now there are {', '.join(METHODS)}."
+        )
+    if name not in METHODS:
+        raise MethodError(f"There is no method {name!r}; there are auto, {', '.join(METHODS)}.")
+    _refuse_options(scene, METHODS[name])
+    return METHODS[name], why
+
+
+def methods_of(scene: Scene) -> tuple[str, ...]:
+    """Names of the methods that can solve a scene now; `exact` only where a closed form exists."""
+    from cases.exact import has_exact
+
+    return tuple(name for name in METHODS if name != "exact" or has_exact(scene))
+
+
+def grid_of(scene: Scene) -> Callable[[int], Grid]:
+    """Node count -> mesh of the scene's sheet."""
+    sheet, bias = scene.sheet, scene.mesh.bias
+    # Without a bias of its own a scene gets the default of its shape.
+    options = {} if bias is None else {"bias": bias}
+
+    def grid(nodes: int) -> Grid:
+        if isinstance(sheet, AnnulusSheet):
+            return meshes.annulus(sheet.inner_radius_mm, sheet.outer_radius_mm, nodes, **options)
+        if isinstance(sheet, HoleSheet):
+            return meshes.rectangle_with_hole(
+                sheet.width_mm, sheet.height_mm, sheet.hole_radius_mm, nodes, **options
+            )
+        return meshes.rectangle(sheet.width_mm, sheet.height_mm, nodes, **options)
+
+    return grid
+
+
+def sheet_of(scene: Scene) -> Sheet:
+    """Material and thickness of a scene."""
+    return Sheet(scene.material.young_MPa, scene.material.poisson, scene.sheet.thickness_mm)
+
+
+def edges_of(scene: Scene) -> dict[str, EdgeCondition]:
+    """Edge conditions of a scene."""
+    return {
+        name: EdgeCondition(edge.support, edge.move_mm, edge.rotate_deg, edge.grow_mm)
+        for name, edge in scene.edges.items()
+    }
+
+
+def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
+    """The boundary-value problem of a scene.
+
+    Only a plate needs the random start: the membranes have no wrinkles to find, and a plane one stays exactly
+    plane without it.
+    """
+    make = grid_of(scene)
+    perturbation = scene.start.perturbation if model.bending else 0.0
+    return Problem(
+        sheet_of(scene), edges_of(scene), make(scene.mesh.nodes), make, perturbation=perturbation, seed=seed
+    )
+
+
+def _relaxed_by(model: Model, task: Task) -> Solution:
+    from fdsolver.multilevel import solve
+
+    solver = task.scene.solver
+    assert solver.tolerance is not None, "the runner resolves the tolerance"
+    settings = Settings(
+        tolerance=solver.tolerance,
+        damping=solver.damping,
+        mass=solver.mass,
+        levels=solver.levels,
+        max_steps=solver.max_steps,
+        max_seconds=solver.max_seconds,
+        threads=task.threads,
+    )
+    problem = problem_of(task.scene, model, task.seed)
+    return solve(problem, model, settings, progress=task.progress, checkpoint=task.checkpoint)
+
+
+def _refuse_options(scene: Scene, method: Method) -> None:
+    """Refuse keys whose meaning would otherwise silently be dropped. Raises MethodError."""
+    later = {
+        f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none",
+        f"start.from = {scene.start.source!r}": scene.start.source is not None,
+        "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate",
+        "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off",
+        "effects.bending = 'off' with a plate": scene.effects.bending == "off" and method.bending,
+        "effects.strain_gradient = 'off' with a plate": scene.effects.strain_gradient == "off"
+        and method.bending,
+    }
+    asked = [key for key, is_asked in later.items() if is_asked]
+    if asked:
+        raise MethodError(f"{' and '.join(asked)} cannot be solved yet; it comes with a later version.")
+
+
+def _automatic(scene: Scene) -> tuple[str, str]:
+    """Koiter if the mesh can carry the wrinkles that a scaling law predicts, tension field otherwise."""
+    strain = _nominal_strain(scene)
+    if strain == 0.0:
+        return "koiter", "auto chose koiter: no edge moves, so nothing says that the sheet wrinkles."
+    wavelength = predicted_wavelength(scene, strain)
+    area = float(grid_of(scene)(scene.mesh.nodes).zone_area.mean())
+    per_wrinkle = wavelength / math.sqrt(area)
+    predicted = f"wrinkles of about {wavelength:.3g} mm, {per_wrinkle:.2g} nodes each"
+    if per_wrinkle >= FEWEST_NODES_PER_WRINKLE:
+        return "koiter", f"auto chose koiter: the mesh resolves the expected {predicted}."
+    return "tension-field", f"auto chose tension-field: the mesh cannot resolve the expected {predicted}."
+
+
+def predicted_wavelength(scene: Scene, strain: float) -> float:
+    """Wavelength of tension wrinkles, mm: 2 sqrt(pi) (D / T)^(1/4) length^(1/2) with T = Y h strain (Cerda
+    and Mahadevan 2003).
+    """
+    sheet = sheet_of(scene)
+    stiffness_ratio = sheet.bending_stiffness_N_mm / (sheet.young_MPa * sheet.thickness_mm * strain)
+    return 2.0 * math.sqrt(math.pi) * stiffness_ratio**0.25 * math.sqrt(_tension_length(scene))
+
+
+def _nominal_strain(scene: Scene) -> float:
+    """Largest displacement of an edge point over the length that takes it up."""
+    size = scene.sheet.size_mm / 2.0
+    moves = [
+        math.hypot(*edge.move_mm)
+        + abs(edge.grow_mm)
+        + abs(2.0 * size * math.sin(math.radians(edge.rotate_deg) / 2.0))
+        for edge in scene.edges.values()
+        if edge.support != "free"
+    ]
+    return max(moves, default=0.0) / _tension_length(scene)
+
+
+def _tension_length(scene: Scene) -> float:
+    """Length along which the sheet is pulled: between its most distant supports, or between the circles."""
+    sheet = scene.sheet
+    if isinstance(sheet, AnnulusSheet):
+        return sheet.smallest_width_mm
+    upright = {"bottom", "top"} & {name for name, edge in scene.edges.items() if edge.support != "free"}
+    return sheet.height_mm if upright else sheet.width_mm
+
+
+def with_numbers(scene: Scene, method: Method, nodes: int | None, tolerance: float | None) -> Scene:
+    """The scene with the node count and the tolerance that will be used."""
+    chosen = tolerance if tolerance is not None else scene.solver.tolerance
+    solver = scene.solver.model_copy(update={"tolerance": method.tolerance if chosen is None else chosen})
+    mesh = scene.mesh if nodes is None else scene.mesh.model_copy(update={"nodes": nodes})
+    return replace(scene, solver=solver, mesh=mesh)
+
+
+def effects_of(method: Method) -> dict[str, dict[str, object]]:
+    """Which effects the method's model has, in the form of result.json; sizes are not measured."""
+    why = f"the model of {method.name}"
+    unmeasured = {"size": None, "justified": None}
+    return {
+        "out_of_plane": {"on": True, "why": why, **unmeasured},
+        "bending": {"on": method.bending, "why": why, **unmeasured},
+        "strain_gradient": {"on": method.bending, "why": why, **unmeasured},
+        "kinematics": {"on": True, "why": "finite rotations and strains", **unmeasured},
+    }

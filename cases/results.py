@@ -1,0 +1,225 @@
+"""Result folders: everything that a solve leaves behind, and how it is read back (DESIGN section 4)."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cases.files import json_text, read_csv, read_fields, write_csv, write_fields, write_vtu
+from cases.folders import write_folder
+from cases.machine import code, machine, peak_memory_MB, versions
+from cases.probe import Columns, Section, measure_section, nodes_per_wrinkle, path_columns, sample_section
+from cases.scene_text import scene_toml
+from cases.schema import Scene
+from fdsolver.checkpoint import UNREADABLE
+from fdsolver.grid import quality
+from fdsolver.material import Sheet
+from fdsolver.result import Reaction, Solution, Status
+
+CHECKPOINT_NAME = "checkpoint.npz"
+
+
+class ResultError(ValueError):
+    """A folder that holds no result, or a damaged one; the message is one sentence."""
+
+
+@dataclass(frozen=True)
+class Probes:
+    """What was measured along the lines of a scene.
+
+    paths : name -> columns of paths/NAME.csv. sections : name -> profile. nodes_per_wrinkle : None for a flat
+        sheet.
+    """
+
+    paths: Mapping[str, Columns]
+    sections: Mapping[str, Section]
+    nodes_per_wrinkle: float | None
+
+
+def probe(solution: Solution, scene: Scene) -> Probes:
+    """Measure a solution along the paths and sections of its scene; nothing if a position is not finite.
+
+    Raises ProbeError for a line off the sheet.
+    """
+    if not np.isfinite(solution.r).all():
+        return Probes({}, {}, None)
+    paths = {name: path_columns(solution, name, line) for name, line in scene.paths.items()}
+    sections = {
+        name: sample_section(solution.grid, solution.r, line) for name, line in scene.sections.items()
+    }
+    return Probes(paths, sections, nodes_per_wrinkle(sections.values(), solution.sheet.thickness_mm))
+
+
+def result_document(
+    solution: Solution, scene: Scene, probes: Probes, effects: Mapping[str, Any], scene_hash: str
+) -> dict[str, Any]:
+    """The contract's keys of result.json; `mesh` (counts and quality) and `levels` (nested meshes) are our
+    additions.
+    """
+    grid, zone = solution.grid, solution.zone
+    z = solution.r[..., 2]
+    mean_square = float((grid.node_area * z**2).sum() / grid.node_area.sum())
+    thickness = solution.sheet.thickness_mm
+    return {
+        "scene": scene.name,
+        "method": solution.method,
+        "status": solution.status.value,
+        "message": solution.message,
+        "nodes": grid.nodes,
+        "zones": grid.zones,
+        "steps": solution.steps,
+        "force_evaluations": solution.force_evaluations,
+        "residual": solution.residual,
+        "seconds": solution.seconds,
+        "cpu_seconds": solution.cpu_seconds,
+        "seconds_compile": solution.seconds_compile,
+        "peak_memory_MB": peak_memory_MB(),
+        "energy_N_mm": {part: solution.energy_N_mm.get(part) for part in ("total", "membrane", "bending")},
+        "reactions": {edge: asdict(reaction) for edge, reaction in solution.reactions.items()},
+        "stretch": {
+            "major_max": zone.stretch_major.max(),
+            "major_min": zone.stretch_major.min(),
+            "minor_min": zone.stretch_minor.min(),
+        },
+        "out_of_plane_mm": {"max_abs": np.abs(z).max(), "rms": np.sqrt(mean_square)},
+        "hourglass": {part: solution.hourglass.get(part) for part in ("out_of_plane", "in_plane")},
+        "nodes_per_wrinkle": probes.nodes_per_wrinkle,
+        "stability": {part: solution.stability.get(part) for part in ("stable", "how", "lowest")},
+        "effects": effects,
+        "errors": [],
+        "warnings": solution.warnings,
+        "sections": {
+            name: asdict(measure_section(section, thickness)) for name, section in probes.sections.items()
+        },
+        "buckling": {"critical": []},
+        "versions": versions(),
+        "machine": machine(),
+        "threads": solution.threads,
+        "seed": solution.seed,
+        "code": code(),
+        "scene_hash": scene_hash,
+        "mesh": {"ni": grid.ni, "nj": grid.nj, **asdict(quality(grid))},
+        "levels": solution.levels,
+    }
+
+
+def write_result(
+    folder: Path,
+    solution: Solution,
+    scene: Scene,
+    probes: Probes,
+    effects: Mapping[str, Any],
+    scene_hash: str,
+    keep_checkpoint: bool = False,
+) -> None:
+    """Write a whole result folder in place of what is there.
+
+    keep_checkpoint : carry the folder's checkpoint over (a run that can go on).
+
+    Raises StorageError; the old folder is then unchanged.
+    """
+    document = result_document(solution, scene, probes, effects, scene_hash)
+
+    def fill(new: Path) -> None:
+        (new / "result.json").write_text(json_text(document), encoding="utf-8")
+        (new / "scene.toml").write_text(scene_toml(scene), encoding="utf-8")
+        write_fields(new / "fields.npz", solution)
+        write_csv(new / "history.csv", solution.history)
+        write_vtu(new / "sheet.vtu", solution)
+        for kind in ("paths", "sections"):
+            (new / kind).mkdir()
+        for name, columns in probes.paths.items():
+            write_csv(new / "paths" / f"{name}.csv", columns)
+        for name, section in probes.sections.items():
+            write_csv(new / "sections" / f"{name}.csv", section.columns())
+        if keep_checkpoint and (folder / CHECKPOINT_NAME).exists():
+            shutil.copy2(folder / CHECKPOINT_NAME, new / CHECKPOINT_NAME)
+
+    write_folder(folder, fill)
+
+
+def read_document(folder: Path | str) -> dict[str, Any]:
+    """The result.json of a result folder. Raises ResultError if there is none or it is damaged."""
+    path = Path(folder) / "result.json"
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ResultError(f"{folder} holds no result: there is no result.json.") from None
+    except (OSError, ValueError, RecursionError) as reason:
+        raise ResultError(f"{path} cannot be read: {reason}.") from reason
+    if not isinstance(document, dict) or "status" not in document:
+        raise ResultError(f"{path} is not the result.json of a result folder.")
+    return document
+
+
+def load_result(folder: Path | str) -> Solution:
+    """The Solution that a result folder stores.
+
+    Raises ResultError for a folder that holds no result of a structured mesh, or a damaged one.
+    """
+    folder = Path(folder)
+    document = read_document(folder)
+    try:
+        return _solution(folder, document)
+    except (*UNREADABLE, TypeError) as reason:
+        text = f"{reason} is missing" if isinstance(reason, KeyError) else str(reason)
+        raise ResultError(f"The result folder {folder} is damaged: {text}.") from reason
+
+
+def _solution(folder: Path, document: dict[str, Any]) -> Solution:
+    grid, r, zone = read_fields(folder / "fields.npz")
+    scene = tomllib.loads((folder / "scene.toml").read_text(encoding="utf-8"))
+    material = scene["material"]
+    reactions = {
+        edge: Reaction(np.array(part["force_N"], dtype=float), np.array(part["moment_N_mm"], dtype=float))
+        for edge, part in document["reactions"].items()
+    }
+    return Solution(
+        method=document["method"],
+        status=_status(document["status"]),
+        message=document["message"],
+        grid=grid,
+        sheet=Sheet(material["young_MPa"], material["poisson"], scene["sheet"]["thickness_mm"]),
+        r=r,
+        residual=_number(document["residual"]),
+        energy_N_mm={part: _number(value) for part, value in document["energy_N_mm"].items()},
+        reactions=reactions,
+        zone=zone,
+        history=read_csv(folder / "history.csv"),
+        warnings=tuple(document["warnings"]),
+        levels=tuple(document["levels"]),
+        **{key: document[key] for key in _UNCHANGED},
+    )
+
+
+_UNCHANGED = (
+    "steps",
+    "force_evaluations",
+    "seconds",
+    "cpu_seconds",
+    "seconds_compile",
+    "hourglass",
+    "stability",
+    "threads",
+    "seed",
+)
+
+
+def _status(word: str) -> Status:
+    """The Status of this value."""
+    for status in Status:
+        if status.value == word:
+            return status
+    raise ValueError(f"there is no status {word!r}")
+
+
+def _number(value: float | None) -> float:
+    """What JSON stores as null was not finite."""
+    return float("nan") if value is None else float(value)

@@ -1,0 +1,131 @@
+"""Atomic files and checkpoints: a reader sees the old file or the whole new one, never a part of either."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import struct
+import zipfile
+import zlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+State = dict[str, "np.ndarray | float | int | str"]
+# What numpy and zipfile raise for a file that is cut short, changed or something else.
+UNREADABLE = (
+    OSError,
+    ValueError,
+    EOFError,
+    KeyError,
+    NotImplementedError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+_IDENTITY = "checkpoint_identity"
+
+
+class StorageError(OSError):
+    """A file or folder could not be written; what was there before is unchanged. The message is one
+    sentence.
+    """
+
+
+class CheckpointError(ValueError):
+    """A checkpoint cannot be used: unreadable, cut short, or written by another run."""
+
+
+def storage_error(path: Path, reason: OSError) -> StorageError:
+    """The one sentence for a failed write to `path`."""
+    text = reason.strerror or str(reason)
+    return StorageError(f"Could not write {path}: {text}. What was there before is unchanged.")
+
+
+def sync_directory(folder: Path) -> None:
+    """Make renames inside `folder` durable (a rename lives in the directory, not in the file)."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:
+    """Write a file through a temporary name beside it: write, fsync, rename.
+
+    write : called with the open temporary file.
+
+    Raises StorageError if the disk is full, the folder is missing or may not be written.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        with open(temporary, "wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+        sync_directory(path.parent)
+    except OSError as reason:
+        raise storage_error(path, reason) from reason
+    finally:
+        _remove_quietly(temporary)
+
+
+def _remove_quietly(path: Path) -> None:
+    # A temporary file that cannot be removed must not hide the error that is already on its way.
+    with contextlib.suppress(OSError):
+        path.unlink(missing_ok=True)
+
+
+class Checkpoint:
+    """The state of an unfinished run in one file (npz without pickles).
+
+    path : the file.
+    identity : names the run (scene, method, seed); a checkpoint of another identity is refused.
+    """
+
+    def __init__(self, path: Path | str, identity: str) -> None:
+        self.path = Path(path)
+        self.identity = identity
+
+    def save(self, state: Mapping[str, np.ndarray | float | int | str]) -> None:
+        """Replace the checkpoint by `state`: arrays bit for bit, numbers and strings as they are.
+
+        Raises StorageError if the file cannot be written, TypeError for a value that is no array, number or
+        string.
+        """
+        arrays = {key: np.asarray(value) for key, value in state.items()}
+        for key, array in arrays.items():
+            if array.dtype.hasobject:
+                raise TypeError(f"checkpoint entry {key!r} is no array of numbers, number or string")
+        arrays[_IDENTITY] = np.asarray(self.identity)
+        # Any: numpy's stub would read the keyword arrays as its own options.
+        write_atomically(self.path, lambda file: np.savez(file, **arrays))  # type: ignore[arg-type]
+
+    def load(self) -> State | None:
+        """The saved state, or None if there is no checkpoint.
+
+        Raises CheckpointError for a file that is unreadable, cut short or of another run.
+        """
+        if not self.path.exists():
+            return None
+        try:
+            with np.load(self.path, allow_pickle=False) as stored:
+                arrays = {key: stored[key] for key in stored.files}
+        except UNREADABLE as reason:
+            raise CheckpointError(
+                f"The checkpoint {self.path} is damaged or none; remove it to start from the beginning."
+            ) from reason
+        identity = arrays.pop(_IDENTITY, None)
+        if identity is None or str(identity) != self.identity:
+            raise CheckpointError(
+                f"The checkpoint {self.path} belongs to another run; remove it to start from the beginning."
+            )
+        return {key: array if array.ndim else array.item() for key, array in arrays.items()}
+
+    def delete(self) -> None:
+        """Remove the checkpoint, if there is one."""
+        self.path.unlink(missing_ok=True)
