@@ -1,0 +1,42 @@
+"""Put the report together from the result folders.  Nothing is solved here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from reports import section_annulus, section_hole, section_other, section_sheets
+from reports.content import Report, Section
+from reports.plan import LADDER, ReportRun
+from reports.stored import Stored
+
+
+def read_results(runs: Sequence[ReportRun], folder: Path) -> dict[str, Stored]:
+    """Return the result of every planned run, in the plan's order; missing and refused ones too."""
+    return {run.name: Stored(run, folder / run.name) for run in runs}
+
+
+def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) -> Report:
+    """Return the content of the report.
+
+    benchmarks : path of `benchmarks.json`, which need not exist.
+    """
+    scenes = {stored.run.scene for stored in results.values()}
+    sections: list[Section] = [section_other.summary(results, full)]
+    if "annulus" in scenes:
+        sections.append(section_annulus.build(results))
+    if "hole" in scenes:
+        sections.append(section_hole.build(results))
+    if "stretch" in scenes:
+        sections.append(section_sheets.stretch(results))
+    if scenes & set(LADDER):
+        sections.append(section_sheets.ladder(results))
+    sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
+    sections += [section_other.open_questions(), section_other.omissions(results)]
+    return Report(
+        "Wrinkled sheets: plate and tension field beside closed forms",
+        "After Taylor, Bertoldi and Steigmann, Spatial resolution of wrinkle patterns in thin elastic sheets at finite "
+        "strain, J. Mech. Phys. Solids 62 (2014) 163–180",
+        sections,
+        section_other.footer(results),
+    )

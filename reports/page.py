@@ -1,0 +1,40 @@
+"""The report as one self-contained HTML page."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from reports.content import Drawing, Report, Table, Text
+from reports.drawing import data_uri
+
+
+def render_page(report: Report) -> str:
+    """Return the page: style and images inside, nothing fetched from anywhere, all text escaped."""
+    import jinja2
+
+    folder = resources.files("reports")
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    environment.tests |= {
+        "drawing": lambda block: isinstance(block, Drawing),
+        "table": lambda block: isinstance(block, Table),
+        "prose": lambda block: isinstance(block, Text),
+        "figure_like": is_number,
+    }
+    environment.globals["data_uri"] = data_uri
+    template = environment.from_string((folder / "templates" / "report.html").read_text(encoding="utf-8"))
+    # the stylesheet is ours and holds no user text
+    style = (folder / "static" / "report.css").read_text(encoding="utf-8")
+    return template.render(report=report, style=style)
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is to be set flush right: a number, a sign of absence, or numbers with a slash between."""
+    return bool(cell) and all(c in "0123456789.+−-–e/ \u2009%" for c in cell)
+
+
+def write_page(report: Report, path: Path) -> None:
+    """Write the page, by way of a temporary name so that no reader sees half of it."""
+    unfinished = path.with_suffix(".html.part")
+    unfinished.write_text(render_page(report), encoding="utf-8")
+    unfinished.replace(path)

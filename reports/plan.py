@@ -1,0 +1,100 @@
+"""The runs behind the report, declared as data: which scene, by which method, on how many nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+FAILED_STARTS = "refused.json"
+
+
+@dataclass(frozen=True)
+class ReportRun:
+    """One solve of the report.
+
+    name : folder name of the result, unique.
+    scene : built-in scene.
+    method : method name of the command line.
+    nodes_quick, nodes_full : node count, 0 for the scene's default; None leaves the run out.
+    overrides : dotted scene key -> value, as `--set` takes them.
+    max_seconds : time limit of the quick report, s; the full report has ten times as much.
+    """
+
+    name: str
+    scene: str
+    method: str
+    nodes_quick: int | None
+    nodes_full: int | None
+    overrides: Mapping[str, object] = field(default_factory=dict)
+    max_seconds: float = 40.0
+
+    def nodes(self, full: bool) -> int | None:
+        """Node count of the quick or full report; None if that report leaves the run out."""
+        return self.nodes_full if full else self.nodes_quick
+
+
+ANNULUS_MESHES = (1250, 5000, 20000, 80000)
+HOLE_5 = {"edges.top.move_mm": [0.0, 3.125, 0.0], "edges.bottom.move_mm": [0.0, -3.125, 0.0]}
+LADDER = ("annulus-lift", "annulus-twist", "annulus-shrink", "strip-tension", "shear-rails")
+
+
+def _annulus() -> list[ReportRun]:
+    meshes = [
+        ReportRun(f"annulus-{method}-{nodes}", "annulus", method, nodes, nodes, max_seconds=60.0)
+        for nodes in ANNULUS_MESHES
+        for method in ("exact", "tension-field")
+    ]
+    return [
+        *meshes,
+        ReportRun("annulus-membrane-20000", "annulus", "membrane", 20000, 20000),
+        ReportRun("annulus-koiter-20000", "annulus", "koiter", 20000, 20000, max_seconds=90.0),
+        ReportRun("annulus-koiter-120000", "annulus", "koiter", None, 120000, max_seconds=60.0),
+        ReportRun(
+            "annulus-koiter-thick",
+            "annulus",
+            "koiter",
+            20000,
+            40000,
+            {"sheet.thickness_mm": 0.25},
+            max_seconds=60.0,
+        ),
+    ]
+
+
+def _hole() -> list[ReportRun]:
+    return [
+        ReportRun("hole-tension-field", "hole", "tension-field", 40000, 40000, max_seconds=60.0),
+        ReportRun("hole-membrane", "hole", "membrane", 10000, 40000),
+        ReportRun("hole-koiter", "hole", "koiter", 10000, 40000, max_seconds=120.0),
+        ReportRun("hole-5-tension-field", "hole", "tension-field", 20000, 40000, HOLE_5),
+        ReportRun("hole-5-koiter", "hole", "koiter", None, 40000, HOLE_5, max_seconds=60.0),
+    ]
+
+
+def _stretch() -> list[ReportRun]:
+    return [
+        ReportRun("stretch-koiter", "stretch", "koiter", 6000, 36000, max_seconds=60.0),
+        ReportRun("stretch-tension-field", "stretch", "tension-field", 6000, 36000),
+        ReportRun("stretch-membrane", "stretch", "membrane", 6000, 36000),
+    ]
+
+
+def _ladder() -> list[ReportRun]:
+    return [
+        ReportRun(f"{scene}-{method}", scene, method, 3000, 20000, max_seconds=20.0)
+        for scene in LADDER
+        for method in ("exact" if scene.startswith("annulus") else "membrane", "tension-field", "koiter")
+    ]
+
+
+def report_runs(full: bool = False, scenes: Sequence[str] | None = None) -> list[ReportRun]:
+    """Return the runs of the quick or full report, in order, of the named scenes only (None: of all).
+
+    Raises ValueError for a scene that the report does not have.
+    """
+    runs = [*_annulus(), *_hole(), *_stretch(), *_ladder()]
+    known = {run.scene for run in runs}
+    unknown = [scene for scene in scenes or () if scene not in known]
+    if unknown:
+        raise ValueError(f"the report has no scene {', '.join(unknown)}; it has {', '.join(sorted(known))}")
+    return [run for run in runs if run.nodes(full) is not None and (scenes is None or run.scene in scenes)]
