@@ -10,15 +10,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cases.compare import compare
+    from cases.comparison import compare
     from cases.results import load_result
     from cases.runner import run
     from cases.scene import Scene, SceneError, load_scene
 
+# `compare` lives in `cases.comparison`: a module of its own name would take its place here.
 _HOME = {
     "Scene": "cases.scene",
     "SceneError": "cases.scene",
-    "compare": "cases.compare",
+    "compare": "cases.comparison",
     "load_result": "cases.results",
     "load_scene": "cases.scene",
     "run": "cases.runner",

@@ -35,8 +35,8 @@ Affine = tuple[np.ndarray, np.ndarray]
 
 
 def has_exact(scene: Scene) -> bool:
-    """Whether `exact` can solve a scene: an annulus held at both circles about one axis, or a homogeneous
-    state.
+    """Whether a scene has a closed form: a homogeneous state, or an annulus held at both circles about one
+    axis.
     """
     if isinstance(scene.sheet, AnnulusSheet):
         return _coaxial(edges_of(scene))
@@ -160,9 +160,8 @@ def _annulus_zone(exact: AnnulusSolution, grid: Grid) -> ZoneFields:
     radius = _radii(exact, zone_centres(grid))
     # The centres of a ring of zones differ by rounding only: one evaluation serves the ring.
     ring = radius.mean(axis=0)
-    values = [*exact.stretches(ring), *exact.stresses(ring), exact.state(ring).astype(np.int8)]
-    full = [np.ascontiguousarray(np.broadcast_to(value, radius.shape)) for value in values]
-    return ZoneFields(*full)
+    values = (*exact.stretches(ring), *exact.stresses(ring), exact.state(ring).astype(np.int8))
+    return ZoneFields(*(np.tile(value, (len(radius), 1)) for value in values))
 
 
 def _radii(exact: AnnulusSolution, u: np.ndarray) -> np.ndarray:
@@ -248,7 +247,7 @@ def _solution(
         energy_N_mm={"total": energy, "membrane": energy, "bending": 0.0},
         reactions=dict(reactions),
         zone=zone,
-        history={name: empty for name in ("level", "step", "energy", "kinetic", "residual", "restart")},
+        history=dict.fromkeys(("level", "step", "energy", "kinetic", "residual", "restart"), empty),
         hourglass={"out_of_plane": None, "in_plane": None},
         # The relaxed energy is convex: an equilibrium of it is a minimum.
         stability={
