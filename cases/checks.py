@@ -6,7 +6,7 @@ import math
 
 from cases.lines import off_the_sheet
 from cases.problems import did_you_mean, one_of, shown
-from cases.schema import AnnulusSheet, AnySheet, Edge, HoleSheet, Line, Mesh, RectangleSheet, Start, Symmetry
+from cases.schema import AnnulusSheet, AnySheet, Edge, HoleSheet, Line, RectangleSheet, Start, Symmetry
 from cases.validate import Reading
 
 # Beyond this ratio a mesh of about square cells with a few nodes across has too many nodes along.
@@ -24,7 +24,6 @@ def check(reading: Reading) -> None:
         if sound:
             for kind in ("sections", "paths"):
                 _check_lines(kind, reading.tables[kind] or {}, sheet, reading)
-        _check_bias(sheet, reading.tables["mesh"], reading)
         _check_symmetry(sheet, reading.tables["symmetry"], reading)
     _check_start(reading.tables["start"], reading)
 
@@ -137,15 +136,6 @@ def _check_lines(kind: str, lines: dict[str, Line | None], sheet: AnySheet, read
             reading.wrong((kind, name), None, f"{message}; given: {given}")
         elif (why := off_the_sheet(line, sheet)) is not None:
             reading.wrong((kind, name), None, why)
-
-
-def _check_bias(sheet: AnySheet, mesh: Mesh | None, reading: Reading) -> None:
-    if mesh is None or isinstance(sheet, RectangleSheet):
-        return
-    for key in ("bias_x", "bias_y"):
-        if getattr(mesh, key) is not None:
-            message = f"only a rectangle has it; {_article(sheet)} has mesh.bias"
-            reading.wrong(("mesh", key), shown(getattr(mesh, key)), message)
 
 
 def _check_symmetry(sheet: AnySheet, symmetry: Symmetry | None, reading: Reading) -> None:

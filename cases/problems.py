@@ -30,7 +30,7 @@ class Problem:
         return ": ".join(part for part in (self.where, key, self.message) if part)
 
 
-class SceneError(Exception):
+class SceneError(ValueError):
     """A scene that cannot be used; `problems` has every reason.
 
     str() gives one line per problem.

@@ -207,8 +207,7 @@ class Symmetry(Table):
 class Mesh(Table):
     """Number of nodes, and how strongly they gather (at a rectangle's centre lines, at an inner circle).
 
-    An absent bias is the shape's own: 0 for a rectangle, 1 for the others. bias_x and bias_y:
-    rectangles only.
+    An absent bias is the shape's own: 0 for a rectangle, 1 for the others.
     """
 
     nodes: int = Field(
@@ -218,8 +217,6 @@ class Mesh(Table):
         description=f"a whole number from {SMALLEST_NODES} to {LARGEST_NODES}",
     )
     bias: Bias = None
-    bias_x: Bias = None
-    bias_y: Bias = None
 
 
 class Solver(Table):

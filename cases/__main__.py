@@ -1,0 +1,123 @@
+"""The command `wrinkle` (the same as `python -m cases`): from words to functions, from errors to exit codes.
+
+Exit codes: 0 done; 1 the machine failed (disk, memory, an unforeseen error); 2 bad input, nothing written;
+3 and 4 the status of a single solve (`fdsolver.result.Status`); 130 interrupted.
+
+Imports are inside the functions: `--help` must not wait for the compiler. `wrinkle report` is the one place
+where this package calls `reports`, which is built on top of it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import shlex
+import signal
+import sys
+from collections.abc import Sequence
+
+from cases.arguments import BAD_INPUT, Refused, parse
+
+MACHINE_FAILED = 1
+INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command. Returns its exit code."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        arguments = parse(words)
+        _stop_on_termination()
+        code = _command(arguments)
+        sys.stdout.flush()
+        return code
+    except Refused as refusal:
+        return _complain([str(refusal)], BAD_INPUT)
+    except KeyboardInterrupt:
+        return _complain([_how_to_resume(words)], INTERRUPTED)
+    except BrokenPipeError:
+        # The reader of our output has gone (`| head`); the interpreter must not write to it again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except MemoryError:
+        return _complain(["there is not enough memory; ask for fewer nodes"], MACHINE_FAILED)
+    except Exception as error:
+        sentences = _foreseen(error)
+        if sentences is None:
+            raise
+        return _complain(sentences, MACHINE_FAILED if isinstance(error, OSError) else BAD_INPUT)
+
+
+def _command(arguments: argparse.Namespace) -> int:
+    if arguments.command == "report":
+        return _report(arguments)
+    from cases import commands
+
+    run = {
+        "list": commands.list_scenes,
+        "run": commands.run_scene,
+        "compare": commands.compare_methods,
+        "doctor": commands.doctor,
+    }[arguments.command]
+    return run(arguments)
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from cases.commands import out_folder, words_of
+    from cases.progress import display
+    from reports.command import report
+
+    scenes = None if arguments.scenes is None else words_of(arguments.scenes, "--scenes")
+    with display(arguments.quiet) as progress:
+        return report(out_folder(arguments.out), full=arguments.full, scenes=scenes, progress=progress)
+
+
+def _foreseen(error: Exception) -> list[str] | None:
+    """The sentences for an error of input or machine; None for one of ours, which needs its traceback."""
+    from cases.problems import SceneError
+
+    if isinstance(error, SceneError):
+        return [str(problem) for problem in error.problems]
+    if isinstance(error, OSError):
+        return [str(error) if error.filename is None else f"{error.filename}: {error.strerror}"]
+    from cases.methods import MethodError
+    from cases.probe import ProbeError
+    from cases.results import ResultError
+    from cases.runner import FolderRefused
+    from fdsolver.checkpoint import CheckpointError
+    from fdsolver.grid import GridError
+    from tensionfield.annulus_problem import NoAnnulusSolution
+
+    refusals = (
+        MethodError,
+        FolderRefused,
+        ResultError,
+        ProbeError,
+        GridError,
+        CheckpointError,
+        NoAnnulusSolution,
+    )
+    return [str(error)] if isinstance(error, refusals) else None
+
+
+def _complain(sentences: Sequence[str], code: int) -> int:
+    for sentence in sentences:
+        print(f"wrinkle: {sentence}", file=sys.stderr)
+    return code
+
+
+def _how_to_resume(words: Sequence[str]) -> str:
+    again = shlex.join(["wrinkle", *words])
+    resumable = bool(words) and words[0] in ("run", "compare", "report")
+    return f"interrupted; finished results are kept, `{again}` goes on" if resumable else "interrupted"
+
+
+def _stop_on_termination() -> None:
+    """Let SIGTERM end a run as Ctrl-C does: with a checkpoint. (Only a main thread may say so.)"""
+    with contextlib.suppress(ValueError):
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

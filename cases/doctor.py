@@ -1,0 +1,82 @@
+"""`wrinkle doctor`: versions, machine, compiler cache, what is missing; on request the kernels' throughput."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import resources, util
+from pathlib import Path
+
+from cases.machine import LIBRARIES, code, machine, version_of, versions
+
+MODULES = {"scikit-fem": "skfem"}
+NEEDED = (*LIBRARIES, "rich", "jinja2")
+TOO_LITTLE_MEMORY_GB = 2.0
+
+
+def examine(bench: bool = False) -> int:
+    """Print the examination. Returns 0, or 1 if a needed package is missing."""
+    lacking = [name for name in NEEDED if util.find_spec(MODULES.get(name, name.replace("-", "_"))) is None]
+    ours = code()
+    print(
+        f"wrinklebench {ours['version'] or '(not installed, run from the sources)'}, sources {ours['source_sha256']}"
+    )
+    for name, version in {**versions(), **{name: version_of(name) for name in ("rich", "jinja2")}}.items():
+        print(f"  {name:<13}{version or 'missing'}")
+    for name, value in machine().items():
+        print(f"  {name:<13}{'unknown' if value is None else value}")
+    threads = os.environ.get("NUMBA_NUM_THREADS") or machine()["cores"]
+    print(f"  {'threads':<13}up to {threads}; 1 unless --threads asks for more")
+    print(f"  {'cache':<13}{_cache()}")
+    for complaint in [f"{name} is not installed" for name in lacking] + _complaints():
+        print(f"  missing: {complaint}")
+    if lacking:
+        return 1
+    print("nothing is missing" if not _complaints() else "usable, but see above")
+    return _bench() if bench else 0
+
+
+def _cache() -> str:
+    """Where compiled kernels are kept, and how many there are."""
+    folder = _cache_folder()
+    kernels = sum(1 for _ in folder.rglob("*.nbc")) if folder.is_dir() else 0
+    return f"{folder} ({kernels} compiled kernels)"
+
+
+def _cache_folder() -> Path:
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        return Path(chosen)
+    return Path(str(resources.files("fdsolver"))) / "__pycache__"
+
+
+def _complaints() -> list[str]:
+    """What works, but badly."""
+    found = []
+    folder = _cache_folder()
+    place = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+    if not os.access(place, os.W_OK):
+        found.append(
+            f"leave to write {folder}: every run compiles anew; set NUMBA_CACHE_DIR to a folder of yours"
+        )
+    memory = machine()["memory_GB"]
+    if isinstance(memory, float) and memory < TOO_LITTLE_MEMORY_GB:
+        found.append(f"memory: {memory} GB is little; the largest meshes will not fit")
+    return found
+
+
+def _bench() -> int:
+    """Print the measured throughput."""
+    from fdsolver.bench import throughput
+
+    print("measuring the kernels ...", file=sys.stderr)
+    rows = [dict(row) for row in throughput()]
+    names = list(rows[0])
+    table = [names] + [[_cell(row[name]) for name in names] for row in rows]
+    widths = [max(len(line[column]) for line in table) for column in range(len(names))]
+    for line in table:
+        print("  ".join(word.ljust(width) for word, width in zip(line, widths, strict=True)).rstrip())
+    return 0
+
+
+def _cell(value: object) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
