@@ -6,25 +6,36 @@ command line starts at once.
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cases.comparison import compare
+    from cases.compare import compare
     from cases.results import load_result
     from cases.runner import run
     from cases.scene import Scene, SceneError, load_scene
 
-# `compare` lives in `cases.comparison`: a module of its own name would take its place here.
 _HOME = {
     "Scene": "cases.scene",
     "SceneError": "cases.scene",
-    "compare": "cases.comparison",
+    "compare": "cases.compare",
     "load_result": "cases.results",
     "load_scene": "cases.scene",
     "run": "cases.runner",
 }
 __all__ = ["Scene", "SceneError", "compare", "load_result", "load_scene", "run"]
+
+
+class _Package(ModuleType):
+    """This package; its name `compare` is the function, whoever imports the module `cases.compare`, and
+    when.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _HOME and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
 
 
 def __getattr__(name: str) -> Any:
@@ -35,3 +46,6 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted([*globals(), *__all__])
+
+
+sys.modules[__name__].__class__ = _Package

@@ -56,14 +56,14 @@ def compare(
     tolerance: float | None = None,
     resume: bool = False,
     force: bool = False,
-    progress: Callable[[str, Progress], None] | None = None,
+    progress: Callable[[Progress], None] | None = None,
 ) -> Comparison:
     """Solve a scene by several methods on the same mesh and compare them.
 
     methods : names; None takes all that the scene has. A method that refuses the scene is listed in
         `refused`.
     out : folder of one result folder per method, compare.csv (the differences) and compare.json (everything).
-    progress : called with the method's name and what the engine reports.
+    progress : called now and then by the engine.
 
     Raises MethodError if no method can be run, KeyboardInterrupt if a run was interrupted (its checkpoint is
     kept), and what `cases.runner.run` raises of folders.
@@ -77,10 +77,7 @@ def compare(
         try:
             chosen = choose(scene, name)[0].name
             folder = None if out is None else Path(out) / chosen
-            watch = _watch(chosen, progress)
-            solution = run(
-                scene, chosen, nodes, seed, threads, tolerance, folder, resume, force, progress=watch
-            )
+            solution = run(scene, chosen, nodes, seed, threads, tolerance, folder, resume, force, progress)
         except MethodError as reason:
             refused[name] = str(reason)
             continue
@@ -93,12 +90,6 @@ def compare(
     if out is not None:
         write_comparison(Path(out), scene, found)
     return found
-
-
-def _watch(name: str, progress: Callable[[str, Progress], None] | None) -> Callable[[Progress], None] | None:
-    if progress is None:
-        return None
-    return lambda state: progress(name, state)
 
 
 def _compared(scene: Scene, solutions: Mapping[str, Solution], refused: Mapping[str, str]) -> Comparison:
