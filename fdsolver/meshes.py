@@ -8,6 +8,7 @@ can be interpolated in (xi, eta). Cells are about square and the nodes within 5 
 from __future__ import annotations
 
 import math
+import sys
 from fractions import Fraction
 
 import numpy as np
@@ -201,7 +202,7 @@ def _graded(eta: np.ndarray, ratio: np.ndarray | float, bias: float) -> np.ndarr
 
 
 def _positive(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0.0):
+    if not 0.0 < value <= sys.float_info.max:  # larger integers do not fit a float
         raise GridError(f"{name} must be positive and finite, not {value}")
     return float(value)
 
