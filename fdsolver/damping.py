@@ -33,49 +33,68 @@ def rule(name: str, nodes_across: int) -> tuple[str, float]:
 
 @compiled
 def step(r, v, inverse_mass, f, viscosity, cap, kick):
-    """One step of [68] with unit time step, kick = 1/2 from rest [70] and 1 otherwise; returns the power (v_old + v_new) . f / 2 at the positions r(n)."""
-    keep, gain = (2.0 - viscosity) / (2.0 + viscosity), 2.0 / (2.0 + viscosity)
+    """One step of [68] with unit time step, kick = 1/2 from rest [70] and 1 otherwise.
+
+    r, v, f : (3, nodes). inverse_mass : (6, nodes), xx yy zz xy xz yz. cap : largest velocity component.
+    Returns the power (v_old + v_new) . f / 2 at the positions r(n).
+    """
+    keep, gain = (2.0 - viscosity) / (2.0 + viscosity), kick * 2.0 / (2.0 + viscosity)
     power = 0.0
-    for k in range(r.size):
-        old = v[k]
-        new = min(max(keep * old + kick * gain * inverse_mass[k] * f[k], -cap), cap)
-        v[k] = new
-        r[k] += new
-        power += 0.5 * (old + new) * f[k]
+    for k in range(r.shape[1]):
+        fx, fy, fz = f[0, k], f[1, k], f[2, k]
+        xy, xz, yz = inverse_mass[3, k], inverse_mass[4, k], inverse_mass[5, k]
+        vx = keep * v[0, k] + gain * (inverse_mass[0, k] * fx + xy * fy + xz * fz)
+        vy = keep * v[1, k] + gain * (xy * fx + inverse_mass[1, k] * fy + yz * fz)
+        vz = keep * v[2, k] + gain * (xz * fx + yz * fy + inverse_mass[2, k] * fz)
+        vx, vy, vz = min(max(vx, -cap), cap), min(max(vy, -cap), cap), min(max(vz, -cap), cap)
+        power += 0.5 * ((v[0, k] + vx) * fx + (v[1, k] + vy) * fy + (v[2, k] + vz) * fz)
+        v[0, k], v[1, k], v[2, k] = vx, vy, vz
+        r[0, k] += vx
+        r[1, k] += vy
+        r[2, k] += vz
     return power
 
 
 @compiled
-def rayleigh(v, inverse_mass, old, new):
-    """(v K v) / (v M v) of the motion that led from force `old` to force `new` in one step; 0 at rest."""
-    stiffness = mass = 0.0
-    for k in range(v.size):
-        if inverse_mass[k] > 0.0:
-            stiffness -= v[k] * (new[k] - old[k])
-            mass += v[k] * v[k] / inverse_mass[k]
-    return stiffness / mass if mass > 0.0 else 0.0
+def twice_kinetic(v, mass):
+    """Sum of v . m v over all nodes, twice the kinetic energy [72]. v : (3, nodes). mass : (6, nodes)."""
+    total = 0.0
+    for k in range(v.shape[1]):
+        x, y, z = v[0, k], v[1, k], v[2, k]
+        total += mass[0, k] * x * x + mass[1, k] * y * y + mass[2, k] * z * z
+        total += 2.0 * (mass[3, k] * x * y + mass[4, k] * x * z + mass[5, k] * y * z)
+    return total
 
 
 @compiled
-def kinetic_energy(v, inverse_mass):
-    """Sum of m v^2 / 2 over all moving components [72]."""
-    energy = 0.0
-    for k in range(v.size):
-        if inverse_mass[k] > 0.0:
-            energy += 0.5 * v[k] * v[k] / inverse_mass[k]
-    return energy
+def twice_work(v, old, new):
+    """v K v of the motion v that led from force `old` to force `new` in one step; all (3, nodes)."""
+    total = 0.0
+    for axis in range(3):
+        for k in range(v.shape[1]):
+            total -= v[axis, k] * (new[axis, k] - old[axis, k])
+    return total
 
 
-def advance(force, r, v, inverse_mass, f, old, rule, viscosity, since_restart, steps, cap):
+def accelerate(inverse_mass, f):
+    """m^-1 f of every node. inverse_mass : (6, ni, nj). f : (3, ni, nj)."""
+    xx, yy, zz, xy, xz, yz = inverse_mass
+    x, y, z = f
+    return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
+
+
+def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_restart, steps, cap):
     """Advance r and v in place by `steps` steps under a damping rule; f holds the force at r on entry.
 
-    r, v, inverse_mass, f, old : (3, ni, nj) float64; old is scratch. Returns the number of restarts, the viscosity
+    r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj). Returns the number of restarts, the viscosity
     and the steps since the last restart.
     """
     name, constant = rule
     kinetic = name.startswith("kinetic")
     viscosity = 0.0 if kinetic else constant if name == "viscous" else viscosity
-    flat = [a.reshape(-1) for a in (r, v, inverse_mass, f, old)]
+    nodes = r.shape[1] * r.shape[2]
+    flat = [a.reshape(-1, nodes) for a in (r, v, inverse_mass, f)]
+    before = old.reshape(3, nodes)
     restarts = 0
     for k in range(steps):
         if k > 0:
@@ -83,17 +102,18 @@ def advance(force, r, v, inverse_mass, f, old, rule, viscosity, since_restart, s
                 old[:] = f
             force(r, f)
             if k == steps - 1 and name == "adaptive":
-                quotient = rayleigh(flat[1], flat[2], flat[4], flat[3])
+                inertia = twice_kinetic(flat[1], mass.reshape(6, nodes))
+                quotient = twice_work(flat[1], before, flat[3]) / inertia if inertia > 0.0 else 0.0
                 viscosity = min(2.0 * math.sqrt(max(quotient, 0.0)), LARGEST_VISCOSITY)
         power = step(*flat[:4], viscosity, cap, 0.5 if since_restart == 0 else 1.0)
         since_restart += 1
         if name == "kinetic-published" and power < 0.0:
-            r -= 1.5 * v - 0.5 * inverse_mass * f
+            r -= 1.5 * v - 0.5 * accelerate(inverse_mass, f)
             v[:] = 0.0
             restarts, since_restart = restarts + 1, 0
         elif name == "kinetic" and power < 0.0 and since_restart > APART:
             r -= v
-            v[:] = 0.5 * inverse_mass * f
+            v[:] = 0.5 * accelerate(inverse_mass, f)
             r += v
             restarts, since_restart = restarts + 1, 1
     return restarts, viscosity, since_restart

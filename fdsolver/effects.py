@@ -38,11 +38,12 @@ def plate_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, c
 class Force:
     """Force and energy of a model on one mesh, in scaled units (lengths / L, stresses / Y).
 
-    law : membrane law. zone : (5, zone rows, nj - 1) of `membrane.zone_constants`. node : (7, ni, nj) and c33 :
+    law : membrane law; relaxed : whether it carries no compression. zone : (5, zone rows, nj - 1) of `membrane.zone_constants`. node : (7, ni, nj) and c33 :
     (zone rows, nj - 1), bending constants, or None: bending is off. scratch : one flat array per thread.
     """
 
     law: tuple
+    relaxed: bool
     rows: int
     columns: int
     closed: bool
@@ -87,6 +88,7 @@ def build_force(grid: Grid, sheet: Sheet, model: Model, supports: Mapping[str, s
         c33, slots = np.ascontiguousarray(k.C33), plate.SLOTS
     return Force(
         law=model.law(sheet.poisson),
+        relaxed=model.relaxed,
         rows=grid.ni,
         columns=grid.nj,
         closed=grid.closed,

@@ -17,7 +17,7 @@ import numpy as np
 
 from fdsolver import damping
 from fdsolver.effects import Force
-from fdsolver.mass import nodal_masses
+from fdsolver.mass import invert, nodal_masses
 from fdsolver.result import Status
 from fdsolver.rows import compiled
 
@@ -68,11 +68,13 @@ class Progress:
 class State:
     """All that a relaxation carries from block to block.
 
-    r, v : (3, ni, nj) float64, scaled positions and velocities. inverse_mass : (3, ni, nj), 0 at fixed nodes.
+    r, v : (3, ni, nj) float64, scaled positions and velocities. mass, inverse_mass : (6, ni, nj), see `mass`; the
+    inverse is 0 at fixed nodes.
     """
 
     r: np.ndarray
     v: np.ndarray
+    mass: np.ndarray
     inverse_mass: np.ndarray
     safe: np.ndarray
     step: int = 0
@@ -106,7 +108,8 @@ class State:
 
 def begin(r: np.ndarray) -> State:
     """The state of rest at the positions r (3, ni, nj), scaled."""
-    return State(r=r.copy(), v=np.zeros_like(r), inverse_mass=np.zeros_like(r), safe=r.copy())
+    mass = np.zeros((6, *r.shape[1:]))
+    return State(r=r.copy(), v=np.zeros_like(r), mass=mass, inverse_mass=mass.copy(), safe=r.copy())
 
 
 @compiled
@@ -156,7 +159,7 @@ def relax(
             if (len(state.history) - 1) % MASS_EVERY == 0:
                 _set_masses(force, free, state, settings.mass)
             restarts, state.viscosity, state.since_restart = damping.advance(
-                force, state.r, state.v, state.inverse_mass, f, old, rule, state.viscosity, state.since_restart, BLOCK, CAP
+                force, state.r, state.v, state.mass, state.inverse_mass, f, old, rule, state.viscosity, state.since_restart, BLOCK, CAP
             )
         except KeyboardInterrupt:
             state.r[:], state.v[:] = kept
@@ -172,7 +175,8 @@ def relax(
 def _look(force: Force, weight: np.ndarray, state: State, settings: Settings, f: np.ndarray) -> Status | None:
     """Evaluate the force, record the state, and decide: end (a Status), go back with heavier masses, or go on."""
     energy = float(force(state.r, f).sum())
-    kinetic = float(damping.kinetic_energy(state.v.reshape(-1), state.inverse_mass.reshape(-1)))
+    nodes = weight.size
+    kinetic = 0.5 * float(damping.twice_kinetic(state.v.reshape(3, nodes), state.mass.reshape(6, nodes)))
     state.residual = residual(f, weight)
     state.history.append((float(state.step), energy, kinetic, state.residual, 0.0))
     finite = np.isfinite(energy) and np.isfinite(state.residual) and np.isfinite(kinetic)
@@ -200,6 +204,7 @@ def _recover(force: Force, state: State, f: np.ndarray, finite: bool) -> Status 
         return Status.DIVERGED if finite else Status.NOT_FINITE
     state.r[:], state.v[:] = state.safe, 0.0
     state.mass_factor *= HEAVIER
+    state.mass *= HEAVIER
     state.inverse_mass /= HEAVIER
     state.since_restart, state.viscosity = 0, 0.0
     state.total_energy = float(force(state.r, f).sum())
@@ -210,6 +215,6 @@ def _recover(force: Force, state: State, f: np.ndarray, finite: bool) -> Status 
 
 def _set_masses(force: Force, free: np.ndarray, state: State, kind: str) -> None:
     """Update the inverse masses to the stiffness of the present state; fixed nodes get 0 and never move."""
-    inverse = free / (state.mass_factor * nodal_masses(force, state.r, kind))
-    state.inverse_mass[0] = state.inverse_mass[1] = inverse[0]
-    state.inverse_mass[2] = inverse[1]
+    ahead = state.r + BLOCK * MASS_EVERY * state.v
+    state.mass[:] = state.mass_factor * nodal_masses(force, state.r, ahead, force.relaxed, kind)
+    invert(state.mass.reshape(6, -1), free.reshape(-1), state.inverse_mass.reshape(6, -1))
