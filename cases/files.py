@@ -89,7 +89,8 @@ def read_fields(path: Path) -> tuple[Grid, np.ndarray, ZoneFields]:
 
     Raises KeyError, ValueError, OSError or zipfile.BadZipFile for a file that is not one.
     """
-    with np.load(path, allow_pickle=False) as stored:
+    # numpy does not close a file of its own that turns out to be damaged.
+    with open(path, "rb") as file, np.load(file, allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files}
     edges = {
         name.removeprefix(_EDGE_PREFIX): nodes

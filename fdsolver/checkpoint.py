@@ -113,7 +113,8 @@ class Checkpoint:
         if not self.path.exists():
             return None
         try:
-            with np.load(self.path, allow_pickle=False) as stored:
+            # numpy does not close a file of its own that turns out to be damaged.
+            with open(self.path, "rb") as file, np.load(file, allow_pickle=False) as stored:
                 arrays = {key: stored[key] for key in stored.files}
         except UNREADABLE as reason:
             raise CheckpointError(
