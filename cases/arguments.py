@@ -35,9 +35,9 @@ class _Version(argparse.Action):
     """`--version`, looked up only when it is asked for."""
 
     def __call__(self, *_: Any) -> None:
-        from importlib import metadata
+        from cases.machine import version_of
 
-        print(f"wrinklebench {metadata.version('wrinklebench')}")
+        print(f"wrinklebench {version_of('wrinklebench') or '(not installed, run from the sources)'}")
         sys.exit(0)
 
 

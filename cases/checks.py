@@ -6,25 +6,28 @@ import math
 
 from cases.lines import off_the_sheet
 from cases.problems import did_you_mean, one_of, shown
-from cases.schema import AnnulusSheet, AnySheet, Edge, HoleSheet, Line, RectangleSheet, Start, Symmetry
+from cases.schema import SHAPES, AnnulusSheet, AnySheet, Edge, HoleSheet, Line, RectangleSheet, Sheet, Start
 from cases.validate import Reading
 
 # Beyond this ratio a mesh of about square cells with a few nodes across has too many nodes along.
 LARGEST_ASPECT = 1000.0
 # Displacements beyond this many sheet sizes overflow the scaled energies long before they mean anything.
 LARGEST_MOVE = 100.0
+CIRCLES = {"inner": "inner_radius_mm", "outer": "outer_radius_mm", "hole": "hole_radius_mm"}
+EVERY_EDGE = (*HoleSheet.edge_names, *AnnulusSheet.edge_names)
 
 
 def check(reading: Reading) -> None:
     """Run every check whose tables are present."""
-    sheet, edges = reading.tables["sheet"], reading.tables["edges"]
+    sheet, edges = reading.tables["sheet"], reading.tables["edges"] or {}
+    _check_supports(edges, reading)
     if sheet is not None:
         sound = _check_sheet(sheet, reading)
-        _check_edges(sheet, {} if edges is None else edges, reading)
-        if sound:
-            for kind in ("sections", "paths"):
+        _check_sizes(edges, sheet, reading)
+        for kind in ("sections", "paths"):
+            if sound:
                 _check_lines(kind, reading.tables[kind] or {}, sheet, reading)
-        _check_symmetry(sheet, reading.tables["symmetry"], reading)
+    _check_symmetry(reading)
     _check_start(reading.tables["start"], reading)
 
 
@@ -55,47 +58,51 @@ def _check_aspect(sheet: AnySheet, reading: Reading) -> None:
         reading.wrong(("sheet",), None, message)
 
 
-def _check_edges(sheet: AnySheet, edges: dict[str, Edge | None], reading: Reading) -> None:
-    names = sheet.edge_names
+def _check_supports(edges: dict[str, Edge | None], reading: Reading) -> None:
+    """Names, supports and movements of the edges, as far as they do not depend on sizes."""
+    names = reading.shape.edge_names if reading.shape else EVERY_EDGE
     for name, edge in edges.items():
         if name not in names:
+            what = _article(reading.shape) if reading.shape else "a sheet"
             guess = did_you_mean(name, names)
-            message = f"{_article(sheet)} has no such edge; its edges are {one_of(names)}{guess}"
+            message = f"{what} has no such edge; its edges are {one_of(names)}{guess}"
             reading.wrong(("edges", name), None, message)
         elif edge is not None:
-            _check_edge(name, edge, sheet, reading)
-    understood = [edge for edge in edges.values() if edge is not None]
-    if len(understood) == len(edges) and all(edge.support == "free" for edge in understood):
+            _check_movement(name, edge, reading)
+    known = [edge for edge in edges.values() if edge is not None]
+    if len(known) == len(edges) and all(edge.support == "free" for edge in known):
         message = f'no edge is supported; give "pinned" or "clamped" to at least one of {one_of(names)}'
         reading.wrong(("edges",), None, message)
-    if isinstance(sheet, (RectangleSheet, HoleSheet)):
-        _check_corners(sheet, edges, reading)
 
 
-def _check_edge(name: str, edge: Edge, sheet: AnySheet, reading: Reading) -> None:
-    moves = {
-        "move_mm": any(edge.move_mm),
-        "rotate_deg": edge.rotate_deg != 0.0,
-        "grow_mm": edge.grow_mm != 0.0,
-    }
+def _check_movement(name: str, edge: Edge, reading: Reading) -> None:
+    moves = {"move_mm": any(edge.move_mm), "rotate_deg": edge.rotate_deg, "grow_mm": edge.grow_mm}
     if edge.support == "free":
-        for key in (key for key, given in moves.items() if given):
+        for key in (key for key, size in moves.items() if size):
             message = f'a free edge cannot be moved; set edges.{name}.support to "pinned" or "clamped"'
             reading.wrong(("edges", name, key), shown(getattr(edge, key)), message)
-        return
-    if name not in sheet.circular_edges and moves["grow_mm"]:
+    elif edge.grow_mm and name not in CIRCLES:
         message = "only a circular edge can grow; move a straight edge by move_mm"
         reading.wrong(("edges", name, "grow_mm"), shown(edge.grow_mm), message)
+
+
+def _check_sizes(edges: dict[str, Edge | None], sheet: AnySheet, reading: Reading) -> None:
+    """Movements against the size of the sheet, and against each other at the corners."""
     largest = LARGEST_MOVE * sheet.size_mm
-    if math.hypot(*edge.move_mm) > largest:
-        message = f"must be no longer than {largest:g} mm, {LARGEST_MOVE:g} times the sheet"
-        reading.wrong(("edges", name, "move_mm"), shown(edge.move_mm), message)
-    radius = {"inner": "inner_radius_mm", "outer": "outer_radius_mm", "hole": "hole_radius_mm"}.get(name)
-    if radius is not None and name in sheet.circular_edges and edge.grow_mm <= -getattr(sheet, radius):
-        message = f"would turn the circle inside out; must be above {-getattr(sheet, radius):g}"
-        reading.wrong(("edges", name, "grow_mm"), shown(edge.grow_mm), message)
-    elif edge.grow_mm > largest:
-        reading.wrong(("edges", name, "grow_mm"), shown(edge.grow_mm), f"must be at most {largest:g} mm")
+    for name, edge in edges.items():
+        if edge is None or edge.support == "free" or name not in sheet.edge_names:
+            continue
+        if math.hypot(*edge.move_mm) > largest:
+            message = f"must be no longer than {largest:g} mm, {LARGEST_MOVE:g} times the sheet"
+            reading.wrong(("edges", name, "move_mm"), shown(edge.move_mm), message)
+        if name not in CIRCLES:
+            continue
+        radius = getattr(sheet, CIRCLES[name])
+        if not -radius < edge.grow_mm <= largest:
+            message = f"must be above {-radius:g}, where the circle closes, and at most {largest:g}"
+            reading.wrong(("edges", name, "grow_mm"), shown(edge.grow_mm), message)
+    if isinstance(sheet, (RectangleSheet, HoleSheet)):
+        _check_corners(sheet, edges, reading)
 
 
 def _check_corners(
@@ -138,12 +145,13 @@ def _check_lines(kind: str, lines: dict[str, Line | None], sheet: AnySheet, read
             reading.wrong((kind, name), None, why)
 
 
-def _check_symmetry(sheet: AnySheet, symmetry: Symmetry | None, reading: Reading) -> None:
-    if symmetry is None or isinstance(sheet, AnnulusSheet):
+def _check_symmetry(reading: Reading) -> None:
+    symmetry = reading.tables["symmetry"]
+    if symmetry is None or reading.shape in (None, AnnulusSheet):
         return
     if symmetry.reduce == "axisymmetric" or symmetry.reduce.startswith("sector"):
         words = one_of(("none", "half-x", "half-y", "quarter"))
-        message = f"only an annulus can be reduced so; {_article(sheet)} allows {words}"
+        message = f"only an annulus can be reduced so; {_article(reading.shape)} allows {words}"
         reading.wrong(("symmetry", "reduce"), shown(symmetry.reduce), message)
 
 
@@ -158,5 +166,6 @@ def _check_start(start: Start | None, reading: Reading) -> None:
         reading.wrong(("start", "from"), shown(start.source), message)
 
 
-def _article(sheet: AnySheet) -> str:
-    return f"an {sheet.shape}" if sheet.shape == "annulus" else f"a {sheet.shape}"
+def _article(sheet: type[Sheet]) -> str:
+    shape = next(shape for shape, model in SHAPES.items() if model is sheet)
+    return f"an {shape}" if shape == "annulus" else f"a {shape}"

@@ -1,4 +1,4 @@
-"""`wrinkle doctor`: versions, machine, compiler cache, what is missing; on request the kernels' throughput."""
+"""`wrinkle doctor`: versions, machine, compiler cache, what is missing; throughput of the kernels."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ TOO_LITTLE_MEMORY_GB = 2.0
 
 def examine(bench: bool = False) -> int:
     """Print the examination. Returns 0, or 1 if a needed package is missing."""
-    lacking = [name for name in NEEDED if util.find_spec(MODULES.get(name, name.replace("-", "_"))) is None]
+    lacking = [name for name in NEEDED if util.find_spec(MODULES.get(name, name)) is None]
     ours = code()
-    print(
-        f"wrinklebench {ours['version'] or '(not installed, run from the sources)'}, sources {ours['source_sha256']}"
-    )
+    sources = str(ours["source_sha256"])[:12]
+    print(f"wrinklebench {ours['version'] or '(not installed)'}, source digest {sources}")
     for name, version in {**versions(), **{name: version_of(name) for name in ("rich", "jinja2")}}.items():
         print(f"  {name:<13}{version or 'missing'}")
     for name, value in machine().items():

@@ -62,7 +62,7 @@ def fraction_done(first: Progress, now: Progress) -> float:
 
 
 def time_left(first: Progress, now: Progress) -> str:
-    """Seconds left on this mesh if the residual goes on to fall as it did; a residual that does not fall has none."""
+    """Time left on this mesh if the residual goes on to fall as it did."""
     fallen, passed = orders(first.residual, now.residual), now.seconds - first.seconds
     if passed <= 0.0 or fallen < 0.3:  # less than a factor of 2: no rate to go by
         return "time left unknown"

@@ -44,22 +44,27 @@ def _place(source: str) -> str:
 def _file_bytes(source: str | Path, where: str) -> bytes:
     path = Path(source)
     try:
-        status = path.stat()
-        if stat.S_ISDIR(status.st_mode):
-            inside = " (it contains scene.toml)" if (path / "scene.toml").exists() else ""
-            raise _refused(where, f"is a folder; give the scene file in it{inside}")
-        if not stat.S_ISREG(status.st_mode):
-            raise _refused(where, "is not a regular file")
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
+        mode = path.stat().st_mode
+        content = _read_regular(path) if stat.S_ISREG(mode) else b""
     except (FileNotFoundError, NotADirectoryError):
         raise _refused(where, _missing(str(source))) from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise _refused(where, f"cannot be read: {reason}") from None
+    if stat.S_ISDIR(mode):
+        inside = " (it contains scene.toml)" if (path / "scene.toml").exists() else ""
+        raise _refused(where, f"is a folder; give the scene file in it{inside}")
+    if not stat.S_ISREG(mode):
+        raise _refused(where, "is not a regular file")
     if len(content) > LARGEST_FILE:
         raise _refused(where, f"is larger than {LARGEST_FILE} bytes; a scene file is a few lines of text")
     return content
+
+
+def _read_regular(path: Path) -> bytes:
+    """The content, at most one byte more than is allowed."""
+    with path.open("rb") as file:
+        return file.read(LARGEST_FILE + 1)
 
 
 def _missing(source: str) -> str:

@@ -78,7 +78,6 @@ class Sheet(Table):
     """What every shape has."""
 
     edge_names: ClassVar[tuple[str, ...]] = ()
-    circular_edges: ClassVar[tuple[str, ...]] = ()
     thickness_mm: Length = 0.025
 
 
@@ -105,7 +104,6 @@ class HoleSheet(Sheet):
     """A rectangle with a central circular hole."""
 
     edge_names: ClassVar[tuple[str, ...]] = ("left", "right", "bottom", "top", "hole")
-    circular_edges: ClassVar[tuple[str, ...]] = ("hole",)
     shape: Literal["rectangle-with-hole"] = "rectangle-with-hole"
     width_mm: Length = 50.0
     height_mm: Length = 125.0
@@ -126,7 +124,6 @@ class AnnulusSheet(Sheet):
     """A ring between two circles about the origin."""
 
     edge_names: ClassVar[tuple[str, ...]] = ("inner", "outer")
-    circular_edges: ClassVar[tuple[str, ...]] = ("inner", "outer")
     shape: Literal["annulus"] = "annulus"
     inner_radius_mm: Length = 62.5
     outer_radius_mm: Length = 250.0
@@ -166,11 +163,6 @@ class Edge(Table):
         default=0.0, ge=-36000.0, le=36000.0, description="an angle from -36000 to 36000 degrees"
     )
     grow_mm: Annotated[Distance, Field(description="a finite number in mm from -1e9 to 1e9")] = 0.0
-
-    @property
-    def moves(self) -> bool:
-        """Whether the edge is displaced at all."""
-        return any(self.move_mm) or self.rotate_deg != 0.0 or self.grow_mm != 0.0
 
 
 class Start(Table):

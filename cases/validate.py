@@ -63,18 +63,22 @@ class Reading:
     """What has been understood of a document, and what is wrong with it.
 
     where : the file or built-in scene; keys in `changed` came from the command line instead.
-    tables : key of the scene -> its checked model (or mapping of models); absent where something was wrong.
+    tables : key of the scene -> its checked model (or mapping of models); None where something was wrong.
+    shape : model of the sheet, known even if one of its numbers is wrong.
     """
 
     where: str
     changed: frozenset[str] = frozenset()
     tables: dict[str, Any] = field(default_factory=dict)
+    shape: type[RectangleSheet] | type[HoleSheet] | type[AnnulusSheet] | None = None
     problems: list[Problem] = field(default_factory=list)
 
     def wrong(self, parts: tuple[object, ...], value: str | None, message: str) -> None:
         """Record a problem at a key, with the place where the key was given."""
         words = [str(part) for part in parts]
-        given = any(".".join(words[:count]) in self.changed for count in range(1, len(words) + 1))
+        above = {".".join(words[:count]) for count in range(1, len(words) + 1)}
+        below = ".".join(words) + "."
+        given = any(key in above or key.startswith(below) for key in self.changed)
         self.problems.append(Problem("--set" if given else self.where, shown_key(words), value, message))
 
 
@@ -95,6 +99,7 @@ def read_tables(document: Mapping[str, Any], reading: Reading) -> None:
 def _checked_sheet(table: Any, reading: Reading) -> Table | None:
     shape = table.get("shape", "rectangle") if isinstance(table, dict) else "rectangle"
     if isinstance(shape, str) and shape in SHAPES:
+        reading.shape = SHAPES[shape]
         return _checked(SHAPES[shape], table, ("sheet",), reading)
     guess = did_you_mean(shape, tuple(SHAPES)) if isinstance(shape, str) else ""
     reading.wrong(("sheet", "shape"), shown(shape), f"must be {one_of(tuple(SHAPES))}{guess}")
