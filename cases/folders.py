@@ -41,12 +41,29 @@ def write_folder(folder: Path, fill: Callable[[Path], None]) -> None:
 
 
 def recover(folder: Path) -> None:
-    """Bring back the old folder if a kill fell between the two renames of a system without exchange."""
+    """Clear up what killed writers of `folder` left beside it.
+
+    Bring back the old folder if a kill fell between the two renames of a system without exchange; remove
+    unfinished folders whose writer is no longer there.
+    """
     folder = folder.absolute()
-    if not folder.exists():
-        for old in sorted(folder.parent.glob(f".{folder.name}.*.old")):
+    for old in sorted(folder.parent.glob(f".{folder.name}.*.old")):
+        if not folder.exists():
             os.rename(old, folder)
-            return
+    for partial in folder.parent.glob(f".{folder.name}.*.partial"):
+        writer = partial.name.removesuffix(".partial").rpartition(".")[2]
+        if writer.isdecimal() and not _alive(int(writer)):
+            shutil.rmtree(partial, ignore_errors=True)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
 
 
 def _put(temporary: Path, folder: Path) -> None:
