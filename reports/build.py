@@ -35,8 +35,8 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
     sections += [section_other.open_questions(), section_other.omissions(results)]
     return Report(
         "Wrinkled sheets: plate and tension field beside closed forms",
-        "After Taylor, Bertoldi and Steigmann, Spatial resolution of wrinkle patterns in thin elastic sheets at finite "
-        "strain, J. Mech. Phys. Solids 62 (2014) 163–180",
+        "After Taylor, Bertoldi and Steigmann, Spatial resolution of wrinkle patterns in thin elastic "
+        "sheets at finite strain, J. Mech. Phys. Solids 62 (2014) 163–180",
         sections,
         section_other.footer(results),
     )

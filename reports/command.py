@@ -10,11 +10,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from reports.plan import FAILED_STARTS, ReportRun, report_runs
+from reports.plan import ReportRun, report_runs
+from reports.stored import refusal_path
 
 RESULTS = "results"
 BENCHMARKS = Path("runs") / "benchmark"
-FULL_REPORT_PATIENCE = 10.0  # times the quick report's limit of each run
+FULL_PATIENCE = 10.0  # a run of the full report has this many times the quick report's limit
+# What is left of the ten (sixty) minutes that a report may take is for drawing and for the last run's excess.
+QUICK_SECONDS, FULL_SECONDS = 450.0, 3200.0
 
 
 def report(
@@ -26,7 +29,7 @@ def report(
 ) -> int:
     """Run the planned cases that have no result yet, then write `index.html` and `report.pdf` into `out`.
 
-    out : folder of the report; the runs' result folders are in `out/results`.
+    out : folder of the report; the runs' result folders are in `out/results/quick` and `out/results/full`.
     full : the paper's node counts instead of the quick ones.
     scenes : only these; None for all.
     results : folder of the verification runs (`benchmarks.json`), by default `runs/benchmark`.
@@ -37,20 +40,21 @@ def report(
     """
     runs = report_runs(full, scenes)
     started = time.perf_counter()
-    run_cases(runs, out / RESULTS, full, progress)
+    folder = out / RESULTS / ("full" if full else "quick")
+    run_cases(runs, folder, full, progress)
     print(f"{len(runs)} runs after {time.perf_counter() - started:.0f} s; drawing", file=sys.stderr)
-    render(out, runs, full, (results or BENCHMARKS) / "benchmarks.json")
+    render(out, runs, folder, full, (results or BENCHMARKS) / "benchmarks.json")
     print(f"{out / 'index.html'}\n{out / 'report.pdf'}")
     return 0
 
 
-def render(out: Path, runs: Sequence[ReportRun], full: bool, benchmarks: Path) -> None:
-    """Write the page and the PDF from the result folders in `out/results`, solving nothing."""
+def render(out: Path, runs: Sequence[ReportRun], folder: Path, full: bool, benchmarks: Path) -> None:
+    """Write the page and the PDF from the result folders in `folder`, solving nothing."""
     from reports.build import build_report, read_results
     from reports.page import write_page
     from reports.pdf import write_pdf
 
-    content = build_report(read_results(runs, out / RESULTS), full, benchmarks)
+    content = build_report(read_results(runs, folder), full, benchmarks)
     write_page(content, out / "index.html")
     write_pdf(content, out / "report.pdf")
 
@@ -58,38 +62,77 @@ def render(out: Path, runs: Sequence[ReportRun], full: bool, benchmarks: Path) -
 def run_cases(
     runs: Sequence[ReportRun], folder: Path, full: bool, progress: Callable[[Any], None] | None = None
 ) -> None:
-    """Solve every planned case into its own result folder; a result of the same scene and nodes is kept."""
+    """Solve every planned case into its own result folder; a result of the same scene and nodes is kept.
+
+    When the report's time is used up, what is left is noted as not run.
+    """
+    finish = time.monotonic() + (FULL_SECONDS if full else QUICK_SECONDS)
     for k, run in enumerate(runs, start=1):
         print(f"[{k}/{len(runs)}] {run.name}", file=sys.stderr, flush=True)
-        run_case(run, folder / run.name, full, progress)
+        limit = min(run.max_seconds * (FULL_PATIENCE if full else 1.0), finish - time.monotonic())
+        run_case(run, folder / run.name, run.nodes(full), limit, progress)
 
 
-def run_case(run: ReportRun, folder: Path, full: bool, progress: Callable[[Any], None] | None = None) -> None:
-    """Solve one case; what it refuses is noted in its folder, in the refusal's own words."""
+def run_case(
+    run: ReportRun,
+    folder: Path,
+    nodes: int | None,
+    max_seconds: float,
+    progress: Callable[[Any], None] | None = None,
+) -> None:
+    """Solve one case; what it refuses is noted beside its folder, in the refusal's own words.
+
+    max_seconds : limit of this solve; none is begun with less than a second.
+
+    Raises KeyboardInterrupt if the solve was interrupted; it can go on with the next report.
+    """
+    if max_seconds < 1.0 and not (folder / "result.json").exists():
+        note_refusal(folder, "not run", "The time of the report was used up before this run began.")
+        return
+    try:
+        status = _solve(run, folder, nodes, max(max_seconds, 1.0), progress)
+    except (ValueError, RuntimeError, ArithmeticError, MemoryError) as refusal:
+        note_refusal(folder, "refused", str(refusal) or type(refusal).__name__)
+        return
+    if status == "interrupted":
+        raise KeyboardInterrupt
+    refusal_path(folder).unlink(missing_ok=True)
+
+
+def _solve(
+    run: ReportRun,
+    folder: Path,
+    nodes: int | None,
+    max_seconds: float,
+    progress: Callable[[Any], None] | None,
+) -> str:
+    """The status of the solve.  A result of an older scene or setting in the report's own folder is replaced."""
     import cases
 
-    limit = run.max_seconds * (FULL_REPORT_PATIENCE if full else 1.0)
-    overrides = {**run.overrides, "solver.max_seconds": limit}
     try:
-        scene = cases.load_scene(run.scene, overrides)
-        cases.run(
-            scene,
-            run.method,
-            nodes=run.nodes(full) or None,
-            threads=min(2, os.cpu_count() or 1),
-            out=folder,
-            resume=True,
-            progress=progress,
+        scene = cases.load_scene(run.scene, {**run.overrides, "solver.max_seconds": max_seconds})
+    except cases.SceneError as problems:
+        raise ValueError(str(problems)) from problems
+
+    def solve(force: bool) -> str:
+        threads = min(2, os.cpu_count() or 1)
+        solution = cases.run(
+            scene, run.method, nodes=nodes, threads=threads, out=folder, force=force, progress=progress
         )
-    except (ValueError, RuntimeError, ArithmeticError, MemoryError) as refusal:
-        note_refusal(folder, str(refusal) or type(refusal).__name__)
+        return str(solution.status.value)
+
+    try:
+        return solve(force=False)
+    except ValueError:
+        if not folder.exists():
+            raise
+        return solve(force=True)
 
 
-def note_refusal(folder: Path, message: str) -> None:
-    """Leave the reason why a case did not start, unless an earlier result is there."""
-    if (folder / "result.json").exists():
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    unfinished = folder / f"{FAILED_STARTS}.part"
-    unfinished.write_text(json.dumps({"status": "refused", "message": message}), encoding="utf-8")
-    unfinished.replace(folder / FAILED_STARTS)
+def note_refusal(folder: Path, status: str, message: str) -> None:
+    """Leave the reason why a case has no result."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    target = refusal_path(folder)
+    unfinished = target.with_suffix(".part")
+    unfinished.write_text(json.dumps({"status": status, "message": message}), encoding="utf-8")
+    unfinished.replace(target)

@@ -22,8 +22,7 @@ def draw_on(fig: FigureBase, drawing: Drawing) -> None:
         drawing.draw(fig)
     except Exception as error:
         print(f"{drawing.title} could not be drawn: {error!r}", file=sys.stderr)
-        for ax in list(fig.axes):
-            ax.remove()
+        fig.clear()
         fig.text(
             0.5, 0.5, "This figure could not be drawn from the stored results.", ha="center", color="#8A1C1C"
         )

@@ -1,24 +1,24 @@
-"""Figures of the twisted and lifted annulus: Fig. 9 and Fig. 10 of Taylor et al. (2014), and what they leave out."""
+"""Figures of the twisted and lifted annulus: Fig. 9 and 10 of Taylor et al. (2014), and more."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.maps import limits, state_legend, unavailable, zone_map, zone_rgb
+from reports.curves import Runs, curve, legend
+from reports.maps import limits, plain_rgb, state_legend, state_rgb, unavailable, zone_map
 from reports.stored import Columns, Stored
-from reports.style import STRESS_MINOR, STRETCH_MAJOR, STRETCH_MINOR, colour, line, method_name
+from reports.style import STRESS_MINOR, STRETCH_MAJOR, STRETCH_MINOR, WRINKLED_TINT, method_name
 from reports.surface import View, lit_view
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import FigureBase
 
-Runs = Mapping[str, Stored | None]  # method -> its run
 VIEW = View(azimuth_deg=-70.0, elevation_deg=38.0)
 METHODS = ("membrane", "tension-field", "koiter", "exact")  # later ones are drawn on top
+SURFACES = ("koiter", "tension-field")
 
 
 def draw_lit(ax: Axes, stored: Stored | None, title: str, view: View = VIEW, coloured: bool = False) -> None:
@@ -26,7 +26,8 @@ def draw_lit(ax: Axes, stored: Stored | None, title: str, view: View = VIEW, col
     if stored is None or not stored.drawable:
         unavailable(ax, title, stored)
         return
-    picture = lit_view(stored.fields["r"], zone_rgb(stored, coloured), stored.closed, view)
+    colours = state_rgb(stored) if coloured else plain_rgb(stored)
+    picture = lit_view(stored.fields["r"], colours, stored.closed, view)
     ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     ax.set_title(title)
     ax.set_axis_off()
@@ -45,76 +46,60 @@ def draw_lit(ax: Axes, stored: Stored | None, title: str, view: View = VIEW, col
 
 def deformed(fig: FigureBase, runs: Runs) -> None:
     """Fig. 9: the deformed sheet, plate above, relaxed membrane below, plain and coloured by state."""
-    axes = fig.subplots(2, 2)
+    axes = fig.subplots(2, 2, width_ratios=[1.35, 1.0])
     letters = iter("abcd")
-    for row, method in enumerate(("koiter", "tension-field")):
+    for row, method in enumerate(SURFACES):
         name = method_name(method)
         draw_lit(axes[row, 0], runs.get(method), f"({next(letters)}) {name}")
-        draw_lit(
-            axes[row, 1], runs.get(method), f"({next(letters)}) {name}, membrane state", View(), coloured=True
-        )
-    state_legend(axes[1, 1], loc="center", bbox_to_anchor=(0.5, 0.5))
+        draw_lit(axes[row, 1], runs.get(method), f"({next(letters)}) membrane state", View(), coloured=True)
+    state_legend(fig, loc="outside lower center", ncols=3)
 
 
 def stretch_map(fig: FigureBase, runs: Runs) -> None:
     """Fig. 10 a: the largest principal stretch over the reference sheet, plate beside relaxed membrane."""
     axes = fig.subplots(1, 2, sharey=True)
-    there = {m: s for m in ("koiter", "tension-field") if (s := runs.get(m)) is not None and s.drawable}
-    low, high = limits(*(s.fields["stretch_major"] for s in there.values()))
-    mesh = None
-    for ax, method, letter in zip(axes, ("koiter", "tension-field"), "ab", strict=True):
+    there = {m: s for m in SURFACES if (s := runs.get(m)) is not None and s.drawable}
+    span = limits(*(s.fields["stretch_major"] for s in there.values()))
+    key = None
+    for ax, method, letter in zip(axes, SURFACES, "ab", strict=True):
         title = f"({letter}) {method_name(method)}"
         if method not in there:
             unavailable(ax, title, runs.get(method))
             continue
-        field = there[method].fields["stretch_major"]
-        mesh = zone_map(ax, there[method], field, cmap="viridis", vmin=low, vmax=high)
+        stored = there[method]
+        key = zone_map(ax, stored, stored.fields["stretch_major"], "reference", "viridis", span)
         ax.set_title(title)
         ax.label_outer()
-    if mesh is not None:
-        fig.colorbar(mesh, ax=axes, label=STRETCH_MAJOR, extend="both", shrink=0.8, aspect=30, pad=0.02)
+    if key is not None:
+        fig.colorbar(key, ax=axes, label=STRETCH_MAJOR, extend="both", shrink=0.85, aspect=30, pad=0.02)
 
 
-def curve(ax: Axes, x: np.ndarray, y: np.ndarray, method: str, **style: Any) -> None:
-    """One method's curve in its colour and line style; the closed form thin, on top of the others."""
-    width = 0.8 if method == "exact" else 1.4
-    ax.plot(
-        x,
-        y,
-        color=colour(method),
-        linestyle=line(method),
-        linewidth=width,
-        label=method_name(method),
-        **style,
-    )
-
-
-def _paths(runs: Runs) -> dict[str, Columns]:
+def paths(runs: Runs) -> dict[str, Columns]:
+    """The radial paths that were stored, by method."""
     return {m: s.path("radius") for m in METHODS if (s := runs.get(m)) is not None and s.path("radius")}
 
 
-def shade_band(ax: Axes, columns: Columns | None, x: np.ndarray) -> None:
+def shade_band(ax: Axes, columns: Columns, x: np.ndarray) -> None:
     """Tint where the closed form is wrinkled."""
-    if not columns or "state" not in columns:
-        return
     wrinkled = np.rint(columns["state"]) == 1
     if wrinkled.any():
-        ax.axvspan(x[wrinkled].min(), x[wrinkled].max(), color="#F0B94D", alpha=0.16, linewidth=0)
+        ax.axvspan(x[wrinkled].min(), x[wrinkled].max(), color=WRINKLED_TINT, linewidth=0, zorder=0)
 
 
 def stretch_curves(fig: FigureBase, runs: Runs) -> None:
     """Fig. 10 b: stretch against R and R^2, and the differences from the closed form."""
-    paths = _paths(runs)
+    found = paths(runs)
     axes = fig.subplots(2, 2, sharex="col", sharey="row", height_ratios=[1.7, 1.0])
-    exact = paths.get("exact")
+    exact = found.get("exact")
     for column, power in enumerate((1, 2)):
         above, below = axes[0, column], axes[1, column]
-        for method, path in paths.items():
+        for method, path in found.items():
             x = path["R_mm"] ** power
             curve(above, x, path["stretch_major"], method)
             if exact and method != "exact":
                 reference = np.interp(path["R_mm"], exact["R_mm"], exact["stretch_major"])
-                curve(below, x, np.abs(path["stretch_major"] - reference), method)
+                gap = np.abs(path["stretch_major"] - reference)
+                curve(below, x, np.where(gap > 0.0, gap, np.nan), method)
         if exact:
             shade_band(above, exact, exact["R_mm"] ** power)
             shade_band(below, exact, exact["R_mm"] ** power)
@@ -122,15 +107,14 @@ def stretch_curves(fig: FigureBase, runs: Runs) -> None:
         below.set_xlabel("$R$ (mm)" if power == 1 else "$R^2$ (mm$^2$)")
         above.set_title("(a) against the radius" if power == 1 else "(b) against its square")
     axes[0, 0].set_ylabel(STRETCH_MAJOR)
-    axes[1, 0].set_ylabel("difference from closed form (–)")
-    if paths:
-        axes[0, 1].legend()
+    axes[1, 0].set_ylabel("distance from\nclosed form (–)")
+    legend(axes[0, 1], runs, METHODS)
 
 
 def what_tells_apart(fig: FigureBase, runs: Runs) -> None:
-    """Second stretch, minor stress and the wrinkles' profiles: what tells a wrinkled sheet from a compressed one."""
+    """Second stretch, minor stress and wrinkles: what tells a wrinkled sheet from a compressed one."""
     axes = fig.subplots(2, 2)
-    for method, path in _paths(runs).items():
+    for method, path in paths(runs).items():
         curve(axes[0, 0], path["R_mm"], path["stretch_minor"], method)
         radius, stress = ring_means(runs[method], "stress_minor")
         if radius.size:
@@ -141,27 +125,26 @@ def what_tells_apart(fig: FigureBase, runs: Runs) -> None:
     axes[0, 1].set_title("(b) minor membrane stress, ring means")
     for ax in axes[0]:
         ax.set_xlabel("$R$ (mm)")
-    axes[0, 0].legend()
+    legend(axes[0, 0], runs, METHODS)
     _ring_profiles(axes[1, 0], runs.get("koiter"))
     _amplitude(axes[1, 1], runs)
 
 
 def ring_means(stored: Stored | None, field: str) -> tuple[np.ndarray, np.ndarray]:
     """Mean of a zone field round each ring of zones, against the radius of the zone centres, mm."""
-    if stored is None or field not in stored.fields or stored.fields["u"].ndim != 3:
+    if stored is None or not stored.drawable or field not in stored.fields:
         return np.empty(0), np.empty(0)
     radius = np.linalg.norm(stored.fields["u"], axis=-1).mean(axis=0)
     return 0.5 * (radius[1:] + radius[:-1]), stored.fields[field].mean(axis=0)
 
 
 def _ring_profiles(ax: Axes, stored: Stored | None) -> None:
-    title = "(c) height on a ring less its mean, plate"
+    title = "(c) height on three rings less its mean, plate"
     names = [] if stored is None else [n for n in stored.section_names if n.startswith("ring")]
     if stored is None or not names:
         unavailable(ax, title, stored)
         return
-    shades = ("#0B3C5D", "#0072B2", "#7DB8DA")
-    for name, shade in zip(names, shades, strict=False):
+    for name, shade in zip(names, ("#0B3C5D", "#0072B2", "#8CC4E3"), strict=False):
         section = stored.section(name)
         radius = float(np.hypot(section["x_mm"], section["y_mm"]).mean())
         angle = np.degrees(section["s_mm"] / radius)
@@ -170,8 +153,8 @@ def _ring_profiles(ax: Axes, stored: Stored | None) -> None:
     ax.set_xlabel("angle along the ring (degrees)")
     ax.set_ylabel("height $z$ less ring mean (mm)")
     ax.set_title(title)
-    ax.legend(ncols=len(names), loc="upper center", columnspacing=1.0, handlelength=1.2)
     ax.margins(y=0.25)
+    ax.legend(ncols=len(names), loc="upper center", columnspacing=1.0, handlelength=1.2)
 
 
 def _amplitude(ax: Axes, runs: Runs) -> None:

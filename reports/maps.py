@@ -2,91 +2,108 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from reports.stored import Stored
 from reports.style import STATE_COLOURS, STATE_NAMES
+from reports.surface import flat_view
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.figure import FigureBase
 
 SHEET_RGB = np.array([0.80, 0.86, 0.92])  # a pale steel for surfaces without a state
 
 
-def closed_lines(nodes: np.ndarray, closed: bool) -> np.ndarray:
-    """Repeat the first line of nodes at the end if the mesh is closed, so that every zone has its corners."""
-    return np.concatenate([nodes, nodes[:1]], axis=0) if closed else nodes
-
-
-def zone_rgb(stored: Stored, coloured: bool) -> np.ndarray:
-    """(nzi, nj - 1, 3) colours of the zones: of their membrane state, or of the plain sheet."""
+def state_rgb(stored: Stored) -> np.ndarray:
+    """(nzi, nj - 1, 3) colours of the zones' membrane states."""
     from matplotlib.colors import to_rgb
 
     state = stored.fields["state"].astype(int)
-    if coloured:
-        return np.array([to_rgb(c) for c in STATE_COLOURS])[np.clip(state, 0, 2)]
-    return np.broadcast_to(SHEET_RGB, (*state.shape, 3))
+    return np.array([to_rgb(c) for c in STATE_COLOURS])[np.clip(state, 0, 2)]
 
 
-def zone_map(ax: Axes, stored: Stored, values: np.ndarray, where: str = "reference", **style: Any) -> Any:
-    """Colour every zone by its value; `where` is "reference" or "deformed".  Returns the mappable."""
-    nodes = closed_lines(stored.fields["u" if where == "reference" else "r"], stored.closed)
-    mesh = ax.pcolormesh(
-        nodes[..., 0], nodes[..., 1], values, shading="flat", rasterized=True, linewidth=0, **style
-    )
+def plain_rgb(stored: Stored) -> np.ndarray:
+    """(nzi, nj - 1, 3) of the bare sheet."""
+    return np.broadcast_to(SHEET_RGB, (*stored.fields["state"].shape, 3))
+
+
+def zone_map(
+    ax: Axes, stored: Stored, values: np.ndarray, where: str, colours: str, limits: tuple[float, float]
+) -> ScalarMappable:
+    """Colour every zone by its value, grey where it is NaN, and return the key for a colour bar.
+
+    values : (nzi, nj - 1).  where : "reference" or "deformed".  colours : name of a colour map.
+    """
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize, to_rgb
+
+    key = ScalarMappable(Normalize(*limits), colormaps[colours])
+    rgb = key.to_rgba(np.nan_to_num(values, nan=limits[0]))[..., :3]
+    rgb = np.where(np.isnan(values)[..., None], np.array(to_rgb(STATE_COLOURS[0])), rgb)
+    show_zones(ax, stored, rgb, where)
+    return key
+
+
+def state_map(ax: Axes, stored: Stored) -> None:
+    """Draw slack, wrinkled and tense zones on the deformed sheet."""
+    show_zones(ax, stored, state_rgb(stored), "deformed")
+
+
+def height_map(ax: Axes, stored: Stored) -> ScalarMappable:
+    """Colour the deformed sheet by its height z (mm), white at zero."""
+    z = stored.fields["r"][..., 2]
+    z = np.concatenate([z, z[:1]]) if stored.closed else z
+    mean = 0.25 * (z[:-1, :-1] + z[1:, :-1] + z[1:, 1:] + z[:-1, 1:])
+    size = max(float(np.abs(mean).max()), 1e-12)
+    return zone_map(ax, stored, mean, "deformed", "RdBu_r", (-size, size))
+
+
+def show_zones(ax: Axes, stored: Stored, rgb: np.ndarray, where: str) -> None:
+    """Show zones in given colours (nzi, nj - 1, 3) on labelled axes."""
+    picture = flat_view(stored.fields["u" if where == "reference" else "r"], rgb, stored.closed)
+    ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     plan_axes(ax, where)
-    return mesh
-
-
-def state_map(ax: Axes, stored: Stored, where: str = "deformed") -> Any:
-    """Draw slack, wrinkled and tense zones."""
-    from matplotlib.colors import ListedColormap
-
-    return zone_map(
-        ax, stored, stored.fields["state"], where, cmap=ListedColormap(STATE_COLOURS), vmin=-0.5, vmax=2.5
-    )
-
-
-def height_map(ax: Axes, stored: Stored) -> Any:
-    """Colour the deformed sheet by its height z (mm), white at zero.  Returns the mappable."""
-    r = closed_lines(stored.fields["r"], stored.closed)
-    size = max(float(np.abs(r[..., 2]).max()), 1e-12)
-    mesh = ax.pcolormesh(
-        r[..., 0],
-        r[..., 1],
-        r[..., 2],
-        shading="gouraud",
-        rasterized=True,
-        cmap="RdBu_r",
-        vmin=-size,
-        vmax=size,
-    )
-    plan_axes(ax, "deformed")
-    return mesh
 
 
 def plan_axes(ax: Axes, where: str) -> None:
     """Label the axes of a plan view in mm, at equal scale and without a frame."""
-    letter = "X" if where == "reference" else "x"
+    x, y = ("X", "Y") if where == "reference" else ("x", "y")
     ax.set_aspect("equal")
-    ax.set_xlabel(f"${letter}$ (mm)")
-    ax.set_ylabel(f"${letter.replace('x', 'y').replace('X', 'Y')}$ (mm)")
+    ax.set_anchor("N")
+    ax.set_xlabel(f"${x}$ (mm)")
+    ax.set_ylabel(f"${y}$ (mm)")
     for spine in ax.spines.values():
         spine.set_visible(False)
-    ax.tick_params(length=2)
+    ax.tick_params(direction="out", length=2)
 
 
-def state_legend(ax: Axes, **place: Any) -> None:
-    """Key of the three zone states."""
+def bar_below(fig: FigureBase, ax: Axes, key: ScalarMappable, label: str) -> None:
+    """Put a colour bar under a map, clear of its axis label."""
+    space = ax.inset_axes((0.04, -0.17, 0.92, 0.022))
+    bar = fig.colorbar(key, cax=space, orientation="horizontal", label=label)
+    bar.ax.tick_params(direction="out", length=2, labelsize=7)
+    bar.outline.set_linewidth(0.4)
+
+
+def state_handles() -> list[Any]:
+    """Key of the three zone states, for a legend."""
     from matplotlib.patches import Patch
 
-    patches = [
+    return [
         Patch(facecolor=c, edgecolor="#666666", linewidth=0.4, label=n)
         for c, n in zip(reversed(STATE_COLOURS), reversed(STATE_NAMES), strict=True)
     ]
-    ax.legend(handles=patches, handlelength=1.0, handleheight=1.0, **place)
+
+
+def state_legend(target: Axes | FigureBase, **place: Any) -> None:
+    """Put the key of the zone states somewhere."""
+    target.legend(handles=state_handles(), handlelength=1.0, handleheight=1.0, **place)
 
 
 def limits(*fields: np.ndarray) -> tuple[float, float]:
@@ -96,24 +113,23 @@ def limits(*fields: np.ndarray) -> tuple[float, float]:
         return 0.0, 1.0
     low = min(float(np.percentile(f, 0.5)) for f in finite)
     high = max(float(np.percentile(f, 99.5)) for f in finite)
-    return (low, high) if high > low else (low, low + 1e-9)
+    return (low, high) if high - low > 1e-9 else (low - 1e-9, high + 1e-9)
 
 
 def unavailable(ax: Axes, title: str, stored: Stored | None) -> None:
     """In place of a plot that cannot be drawn: what happened, in the run's own words."""
-    import textwrap
-
+    words = "this run is not part of the report" if stored is None else f"{stored.status}: {stored.message}"
     ax.set_axis_off()
     ax.set_title(title)
-    words = "this run is not part of the report" if stored is None else f"{stored.status}: {stored.message}"
     ax.text(
         0.5,
         0.5,
-        "\n".join(textwrap.wrap(words.replace("$", r"\$"), 26)),
+        "\n".join(textwrap.wrap(words.replace("_", " "), 26)),
         ha="center",
         va="center",
         transform=ax.transAxes,
         color="#8A1C1C",
         fontsize=8,
         linespacing=1.35,
+        parse_math=False,
     )

@@ -19,9 +19,8 @@ def render_page(report: Report) -> str:
         "drawing": lambda block: isinstance(block, Drawing),
         "table": lambda block: isinstance(block, Table),
         "prose": lambda block: isinstance(block, Text),
-        "figure_like": is_number,
     }
-    environment.globals["data_uri"] = data_uri
+    environment.globals |= {"data_uri": data_uri, "numeric_columns": numeric_columns}
     template = environment.from_string((folder / "templates" / "report.html").read_text(encoding="utf-8"))
     # the stylesheet is ours and holds no user text
     style = (folder / "static" / "report.css").read_text(encoding="utf-8")
@@ -29,8 +28,13 @@ def render_page(report: Report) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell is to be set flush right: a number, a sign of absence, or numbers with a slash between."""
-    return bool(cell) and all(c in "0123456789.+−-–e/ \u2009%" for c in cell)
+    """Whether a cell is a number, a sign of absence, or numbers with a slash between."""
+    return all(c in "0123456789.+−-–e/ \u2009%" for c in cell)
+
+
+def numeric_columns(table: Table) -> list[bool]:
+    """Which columns of a table are numbers throughout, to be set flush right."""
+    return [all(is_number(row[k]) for row in table.rows) for k in range(len(table.columns))]
 
 
 def write_page(report: Report, path: Path) -> None:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from reports.content import TEXT_WIDTH_IN, Drawing, Report, Section, Table, Text
 from reports.drawing import PIXELS_PER_INCH, draw_on
-from reports.page import is_number
-from reports.pdf_text import column_widths, wrap
+from reports.page import numeric_columns
+from reports.pdf_text import column_widths, width_in, wrap
 from reports.style import FIGURE_STYLE
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 PAGE_IN = (8.27, 11.69)  # A4
 LEFT = (PAGE_IN[0] - TEXT_WIDTH_IN) / 2
-TOP, BOTTOM = 0.85, 0.85
+TOP, BOTTOM = 0.8, 0.7
 BODY_PT, CAPTION_PT, TABLE_PT = 10.0, 9.0, 7.6
 LEADING = 1.28 / 72.0  # line height in inches per point
 
@@ -52,8 +52,8 @@ class Pages:
     def put(self, text: str, x: float, y: float, size: float, **style: Any) -> None:
         """Set one line with its top at (x, y) inches from the upper left corner."""
         assert self.figure is not None
-        style = {"va": "top", "ha": "left", "parse_math": False} | style
-        self.figure.text(x / PAGE_IN[0], 1.0 - y / PAGE_IN[1], text, fontsize=size, **style)
+        look: dict[str, Any] = {"va": "top", "ha": "left", "parse_math": False} | style
+        self.figure.text(x / PAGE_IN[0], 1.0 - y / PAGE_IN[1], text, fontsize=size, **look)
 
     def rule(self, y: float, width_pt: float, left: float = LEFT, length: float = TEXT_WIDTH_IN) -> None:
         """Draw a horizontal rule y inches from the top."""
@@ -161,13 +161,21 @@ def _text(pages: Pages, block: Text) -> None:
 
 
 def _drawing(pages: Pages, block: Drawing) -> None:
-    caption = wrap(f"{block.title}. {block.caption}", CAPTION_PT, TEXT_WIDTH_IN)
+    title_width = width_in(f"{block.title}.", CAPTION_PT, True) + 0.06
+    # bold is wider: the whole caption is broken as if the line were shorter by the difference
+    narrower = title_width - width_in(f"{block.title}. ", CAPTION_PT)
+    caption = wrap(f"{block.title}. {block.caption}", CAPTION_PT, TEXT_WIDTH_IN - max(narrower, 0.0))
     pages.need(block.height_in + 0.3 + len(caption) * CAPTION_PT * LEADING)
     pages.y += 0.08
     pages.drawings.append((block, pages.y))
     pages.y += block.height_in + 0.06
-    for line in caption:
-        pages.put(line, LEFT, pages.y, CAPTION_PT)
+    for k, line in enumerate(caption):
+        if k == 0:  # the title in bold over its own place; the rest of the line after it
+            pages.put(f"{block.title}.", LEFT, pages.y, CAPTION_PT, weight="bold")
+            rest = line.removeprefix(f"{block.title}.").strip()
+            pages.put(rest, LEFT + title_width, pages.y, CAPTION_PT)
+        else:
+            pages.put(line, LEFT, pages.y, CAPTION_PT)
         pages.y += CAPTION_PT * LEADING
     pages.y += 0.2
 
@@ -176,6 +184,7 @@ def _table(pages: Pages, block: Table) -> None:
     """A table with three rules; its head is repeated where it goes on on another page."""
     widths = column_widths(block.columns, block.rows, TABLE_PT, TEXT_WIDTH_IN)
     cells = [_wrapped(row, widths, False) for row in block.rows]
+    right = numeric_columns(block)
     head = _wrapped(block.columns, widths, True)
     caption = wrap(block.caption, CAPTION_PT, TEXT_WIDTH_IN)
     line = TABLE_PT * LEADING
@@ -186,13 +195,13 @@ def _table(pages: Pages, block: Table) -> None:
     for text in caption:
         pages.put(text, LEFT, pages.y, CAPTION_PT)
         pages.y += CAPTION_PT * LEADING
-    _head(pages, head, widths)
-    for row, texts in zip(cells, block.rows, strict=True):
+    _head(pages, head, widths, right)
+    for row in cells:
         if pages.y + _lines(row) * line + 0.1 > PAGE_IN[1] - BOTTOM:
             pages.rule(pages.y + 0.03, 0.9, length=sum(widths))
             pages.need(PAGE_IN[1])
-            _head(pages, head, widths)
-        _row(pages, row, widths, [is_number(t) for t in texts])
+            _head(pages, head, widths, right)
+        _row(pages, row, widths, right)
     pages.rule(pages.y + 0.03, 0.9, length=sum(widths))
     pages.y += 0.25
 
@@ -205,13 +214,13 @@ def _lines(row: list[list[str]]) -> int:
     return max(len(cell) for cell in row)
 
 
-def _head(pages: Pages, head: list[list[str]], widths: list[float]) -> None:
+def _head(pages: Pages, head: list[list[str]], widths: list[float], right: list[bool]) -> None:
     pages.y += 0.04
     pages.rule(pages.y, 0.9, length=sum(widths))
     pages.y += 0.04
-    _row(pages, head, widths, [False] * len(head), weight="bold")
-    pages.rule(pages.y, 0.5, length=sum(widths))
-    pages.y += 0.03
+    _row(pages, head, widths, right, weight="bold")
+    pages.rule(pages.y + 0.01, 0.5, length=sum(widths))
+    pages.y += 0.05
 
 
 def _row(pages: Pages, row: list[list[str]], widths: list[float], right: list[bool], **style: Any) -> None:

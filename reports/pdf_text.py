@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
-FAMILY = "STIXGeneral"
+FAMILIES = ("STIXGeneral", "DejaVu Sans")  # the second for what the first lacks, such as small figures
 
 
 @cache
-def _font(bold: bool) -> object:
+def _font(bold: bool) -> Any:
     from matplotlib.font_manager import FontProperties, findfont, get_font
 
-    return get_font(findfont(FontProperties(family=FAMILY, weight="bold" if bold else "normal")))
+    weight = "bold" if bold else "normal"
+    return get_font([findfont(FontProperties(family=family, weight=weight)) for family in FAMILIES])
 
 
 @cache
 def width_in(text: str, size_pt: float, bold: bool = False) -> float:
     """Width of a line of text in inches."""
     font = _font(bold)
-    font.set_size(size_pt, 72)  # type: ignore[attr-defined]
-    font.set_text(text, 0.0)  # type: ignore[attr-defined]
-    return float(font.get_width_height()[0]) / 64.0 / 72.0  # type: ignore[attr-defined]
+    font.set_size(size_pt, 72)
+    font.set_text(text, 0.0)
+    return float(font.get_width_height()[0]) / 64.0 / 72.0
 
 
 def wrap(text: str, size_pt: float, limit_in: float, bold: bool = False) -> list[str]:
@@ -50,7 +52,7 @@ def _pieces(word: str, size_pt: float, limit_in: float, bold: bool) -> list[str]
 def column_widths(
     columns: tuple[str, ...], rows: tuple[tuple[str, ...], ...], size_pt: float, total_in: float
 ) -> list[float]:
-    """Widths of a table's columns, inches, sum `total_in` at most: by content, the widest giving way first."""
+    """Widths of a table's columns, inches, sum `total_in` at most: the widest gives way."""
     gap = 0.09
     wanted = []
     for k, head in enumerate(columns):

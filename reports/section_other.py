@@ -21,8 +21,8 @@ def summary(results: Mapping[str, Stored], full: bool) -> Section:
     good = sum(s.converged for s in runs)
     worst = [s for s in runs if not s.converged]
     text = (
-        f"{'Full' if full else 'Quick'} report: {len(runs)} runs of {len({s.run.scene for s in runs})} scenes, "
-        f"{good} of them converged; {number(seconds, 3)} s of solving."
+        f"{'Full' if full else 'Quick'} report: {len(runs)} runs of {len({s.run.scene for s in runs})} "
+        f"scenes, {good} of them converged; {number(seconds, 3)} s of solving."
     )
     blocks: list[Block] = [Text(text), _scene_table(runs)]
     if worst:
@@ -165,17 +165,21 @@ def _flat(value: object) -> str:
 
 
 _QUESTIONS = (
-    "The thickness of the annulus is not stated. The answer of tension-field theory does not depend on it; the plate's "
-    "wrinkles do, so the plate was run at the scene's thickness and at a larger one whose wrinkles the mesh resolves.",
-    "The edge of the sheared sheet moves by 0.5 mm in the text and by 0.05 mm in a caption; no pre-stretch is stated, "
-    "though others who model the same experiment use 0.05 mm. The sheared sheet is not part of this version.",
-    "The figures of the sheet with a hole use half of its length as the unit of distance, and their stretch axis fits a pull "
-    "of 5 % better than 10 % on one path, and 10 % on the other: both pulls were run, and distances are given both ways.",
+    "The thickness of the annulus is not stated. The answer of tension-field theory does not depend on "
+    "it; the plate's wrinkles do, so the plate was run at the scene's thickness and at a larger one whose "
+    "wrinkles the mesh resolves.",
+    "The edge of the sheared sheet moves by 0.5 mm in the text and by 0.05 mm in a caption; no "
+    "pre-stretch is stated, though others who model the same experiment use 0.05 mm. The sheared sheet is "
+    "not part of this version.",
+    "The figures of the sheet with a hole use half of its length as the unit of distance, and their "
+    "stretch axis fits a pull of 5 % better than 10 % on one path, and 10 % on the other: both pulls were "
+    "run, and distances are given both ways.",
 )
 _OMISSIONS = (
     "the paper's scenes of the stretched sheet at other pulls and of the sheared sheet;",
-    "the paper's own discretisation (koiter-published), and the finite-element witnesses for buckling and post-buckling;",
+    "the paper's own discretisation (koiter-published), and the finite-element witnesses for buckling and "
+    "post-buckling;",
     "error against time for every method, hard cases and parameter studies;",
-    "the number of wrinkles as a firm number: it follows the mesh long after the energy has settled, and is given only as "
-    "measured on each run, with the nodes per wrinkle beside it.",
+    "the number of wrinkles as a firm number: it follows the mesh long after the energy has settled, and "
+    "is given only as measured on each run, with the nodes per wrinkle beside it.",
 )

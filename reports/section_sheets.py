@@ -28,8 +28,8 @@ STRIP_LOADS = {
     "energy (N mm)": ("energy_N_mm", "total"),
 }
 WHAT = {
-    "annulus-lift": "The inner circle is lifted only: nothing wrinkles, so every method must give the same answer.",
-    "annulus-twist": "The inner circle is turned only: the sheet stays in its plane and wrinkles in spirals.",
+    "annulus-lift": "The inner circle is lifted only: nothing wrinkles, and all methods must agree.",
+    "annulus-twist": "The inner circle is turned only: the relaxed sheet stays plane, the plate wrinkles.",
     "annulus-shrink": "The inner circle is pulled inward: radial wrinkles around it.",
     "strip-tension": "A strip in homogeneous tension: one number for the whole sheet.",
     "shear-rails": "A sheet between rails, sheared: a homogeneous tension field away from its free ends.",
@@ -43,19 +43,21 @@ def stretch(results: Mapping[str, Stored]) -> Section:
     drawing = Drawing(
         "stretch",
         "First stretch",
-        "The plate after the pull: (a) in relief (slopes exaggerated for the light), (b) height; (c) states of the relaxed "
-        "membrane; (d) height and (e) second stretch across the middle.",
-        "The pulled strip with its longitudinal wrinkles, the states of the relaxed membrane, and profiles across it.",
+        "The plate after the pull: (a) in relief (slopes exaggerated for the light), (b) height; (c) "
+        "states of the relaxed membrane; (d) height and (e) second stretch across the middle.",
+        "The pulled strip with its longitudinal wrinkles, the states of the relaxed membrane, and "
+        "profiles across it.",
         partial(figures.stretched, runs=runs),
-        4.6,
+        4.5,
         vector=False,
     )
     wrinkles = wrinkle_table([s for s in mine if s.method != "tension-field"], "Wrinkles across the middle.")
     blocks: list[Block] = [
         Text(
-            "A silicone strip 101.6 mm wide and 254 mm long, its short edges pinned and pulled apart by 10 %. It wrinkles "
-            "along the pull although nothing pushes it: the pinned edges keep it from narrowing. A coarse first run; "
-            "the known difficulty is not to take the unstable flat state for the answer."
+            "A silicone strip 101.6 mm wide and 254 mm long, its short edges pinned and pulled apart by "
+            "10 %. It wrinkles along the pull although nothing pushes it: the pinned edges keep it from "
+            "narrowing. A coarse first run; the known difficulty is not to take the unstable flat state "
+            "for the answer."
         ),
         drawing,
         *([wrinkles] if wrinkles else []),
@@ -70,8 +72,8 @@ def ladder(results: Mapping[str, Stored]) -> Section:
     """Assemble the section on the scenes with known answers."""
     blocks: list[Block] = [
         Text(
-            "Scenes of growing difficulty with answers known from other sources: what must agree here before the "
-            "scenes above can be trusted."
+            "Scenes of growing difficulty with answers known from other sources: what must agree here "
+            "before the scenes above can be trusted."
         )
     ]
     everything = []
@@ -92,7 +94,7 @@ def _step(scene: str, mine: list[Stored]) -> list[Block]:
         f"{WHAT[scene]} State of the sheet, and both principal stretches along its path by every method.",
         f"The deformed sheet of {scene} and curves of its principal stretches.",
         partial(figures.ladder, runs=runs),
-        2.35,
+        2.5,
         vector=False,
     )
     loads = RING_LOADS if scene.startswith("annulus") else STRIP_LOADS

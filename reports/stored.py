@@ -12,9 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from cases.files import read_csv
-from reports.plan import FAILED_STARTS, ReportRun
+from reports.plan import ReportRun
 
 Columns = Mapping[str, np.ndarray]
+
+
+def refusal_path(folder: Path) -> Path:
+    """Where it is noted why a run has no result folder: beside the folder's place."""
+    return folder.with_name(f"{folder.name}.refused.json")
 
 
 @dataclass(frozen=True)
@@ -30,8 +35,7 @@ class Stored:
     @cached_property
     def result(self) -> Mapping[str, object]:
         """The content of `result.json`; of the note of a refusal; or of neither, as status "not run"."""
-        for name in ("result.json", FAILED_STARTS):
-            path = self.folder / name
+        for path in (self.folder / "result.json", refusal_path(self.folder)):
             if path.is_file():
                 return json.loads(path.read_text(encoding="utf-8"))
         return {"status": "not run", "message": "No result folder was found for this run."}
@@ -71,6 +75,7 @@ class Stored:
 
     @property
     def method(self) -> str:
+        """Name of the method."""
         return self.run.method
 
     @property
@@ -80,10 +85,12 @@ class Stored:
 
     @property
     def message(self) -> str:
+        """The sentence that goes with the status."""
         return str(self.result.get("message", ""))
 
     @property
     def converged(self) -> bool:
+        """Whether the run ended as it should."""
         return self.status == "converged"
 
     @property
@@ -93,7 +100,7 @@ class Stored:
         return r is not None and r.ndim == 3 and bool(np.isfinite(r).all())
 
     def value(self, *keys: str) -> float:
-        """A number inside `result.json`, such as value("energy_N_mm", "total"); NaN where it is absent or null."""
+        """A number of `result.json`, such as value("energy_N_mm", "total"); NaN if absent or null."""
         found: object = self.result
         for key in keys:
             found = found.get(key) if isinstance(found, Mapping) else None

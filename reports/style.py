@@ -31,13 +31,14 @@ METHOD_NAMES: Mapping[str, str] = {
 }
 STATE_COLOURS = ("#E4E4E4", "#F0B94D", "#33678F")  # slack, wrinkled, tense
 STATE_NAMES = ("slack", "wrinkled", "tense")
+WRINKLED_TINT = "#FBF0D9"
 
 STRETCH_MAJOR = r"largest principal stretch $\lambda_1$ (–)"
 STRETCH_MINOR = r"second principal stretch $\lambda_2$ (–)"
 STRESS_MINOR = r"minor stress $S_2$ (MPa)"
 
 FIGURE_STYLE: dict[Any, Any] = {
-    "font.family": "STIXGeneral",
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 8.5,
     "axes.titlesize": 8.5,

@@ -39,6 +39,19 @@ class Picture:
     extent: tuple[float, float, float, float]
 
 
+def flat_view(r: np.ndarray, zone_rgb: np.ndarray, closed: bool, pixels: int = 1200) -> Picture:
+    """Draw zones in their plain colours from above, with smooth outlines; arguments as in `lit_view`.
+
+    r : (ni, nj, 2 or 3) mm.
+    """
+    nodes = np.concatenate([r, r[:1]], axis=0) if closed else r
+    if nodes.shape[-1] == 2:
+        nodes = np.concatenate([nodes, np.zeros((*nodes.shape[:2], 1))], axis=-1)
+    plain = np.zeros((*nodes.shape[:2], 2))
+    plain[..., 0] = 1.0
+    return _picture(nodes @ View().axes().T, plain, zone_rgb, pixels)
+
+
 def lit_view(
     r: np.ndarray,
     zone_rgb: np.ndarray,
@@ -56,29 +69,28 @@ def lit_view(
     """
     axes = view.axes()
     nodes = np.concatenate([r, r[:1]], axis=0) if closed else r
-    seen = nodes @ axes.T
+    shade = _shade(nodes * np.array([1.0, 1.0, relief]), closed, axes)
+    return _picture(nodes @ axes.T, shade, zone_rgb, pixels)
+
+
+def _picture(seen: np.ndarray, shade: np.ndarray, zone_rgb: np.ndarray, pixels: int) -> Picture:
+    """Fit the projected nodes (right, up, towards the reader; mm) into the picture and fill it."""
     low, high = seen[..., :2].min(axis=(0, 1)), seen[..., :2].max(axis=(0, 1))
     pad = 0.01 * float((high - low).max())
     low, high = low - pad, high + pad
     scale = SUPERSAMPLING * pixels / float((high - low).max())
-    width, height = (int(math.ceil(side * scale / SUPERSAMPLING)) for side in high - low)
+    width, height = (int(math.ceil(side * scale / SUPERSAMPLING)) * SUPERSAMPLING for side in high - low)
     screen = np.empty_like(seen)
     screen[..., 0] = (seen[..., 0] - low[0]) * scale
     screen[..., 1] = (high[1] - seen[..., 1]) * scale
     screen[..., 2] = seen[..., 2]
-    shade = _shade(nodes * np.array([1.0, 1.0, relief]), closed, axes)
-    rgb, alpha = _fill(screen, shade, zone_rgb, width * SUPERSAMPLING, height * SUPERSAMPLING)
-    extent = (
-        low[0],
-        low[0] + width * SUPERSAMPLING / scale,
-        high[1] - height * SUPERSAMPLING / scale,
-        high[1],
-    )
-    return Picture(_average(rgb, alpha), tuple(float(x) for x in extent))
+    rgb, alpha = _fill(screen, shade, np.ascontiguousarray(zone_rgb, dtype=np.float64), width, height)
+    left, top = float(low[0]), float(high[1])
+    return Picture(_average(rgb, alpha), (left, left + width / scale, top - height / scale, top))
 
 
 def _shade(nodes: np.ndarray, closed: bool, axes: np.ndarray) -> np.ndarray:
-    """(ni, nj, 2): diffuse and gloss part of the light at the nodes, either face lit alike."""
+    """(ni, nj, 2): factor on the colour and gloss added to it at the nodes, either face lit alike."""
     along_i = np.gradient(nodes, axis=0)
     if closed:  # the last row repeats the first
         along_i[0] = along_i[-1] = 0.5 * (nodes[1] - nodes[-2])
@@ -89,7 +101,8 @@ def _shade(nodes: np.ndarray, closed: bool, axes: np.ndarray) -> np.ndarray:
     light = LIGHT / np.linalg.norm(LIGHT)
     half = light + np.array([0.0, 0.0, 1.0])
     half /= np.linalg.norm(half)
-    return np.stack([np.clip(normal @ light, 0.0, 1.0), np.clip(normal @ half, 0.0, 1.0) ** GLOSS_POWER], -1)
+    diffuse = AMBIENT + DIFFUSE * np.clip(normal @ light, 0.0, 1.0)
+    return np.stack([diffuse, GLOSS * np.clip(normal @ half, 0.0, 1.0) ** GLOSS_POWER], axis=-1)
 
 
 @njit(cache=True)
@@ -133,7 +146,7 @@ def _fill(
                         diffuse = wp * lp[0] + wq * lq[0] + ws * ls[0]
                         gloss = wp * lp[1] + wq * lq[1] + ws * ls[1]
                         for k in range(3):
-                            lit = zone_rgb[i, j, k] * (AMBIENT + DIFFUSE * diffuse) + GLOSS * gloss
+                            lit = zone_rgb[i, j, k] * diffuse + gloss
                             rgb[row, column, k] = min(max(lit, 0.0), 1.0)
     return rgb, alpha
 

@@ -37,7 +37,7 @@ def run_table(stored: Sequence[Stored], caption: str) -> Table:
             number(run.value("seconds"), 3),
             number(run.value("cpu_seconds"), 3),
             number(run.value("nodes_per_wrinkle"), 2),
-            f"{number(run.value('hourglass', 'out_of_plane'), 2)} / {number(run.value('hourglass', 'in_plane'), 2)}",
+            hourglass(run),
             stable(run),
             str(len(warnings_of(run))),
         )
@@ -50,6 +50,12 @@ def _label(run: Stored) -> str:
     """Method, and the overrides that make this run differ from the built-in scene."""
     changed = [f"{key.split('.')[-1]} = {value}" for key, value in run.run.overrides.items()]
     return ", ".join([run.method, *(c for c in changed if "move_mm" not in c)])
+
+
+def hourglass(run: Stored) -> str:
+    """Checkerboard share out of plane and in plane."""
+    shares = (run.value("hourglass", part) for part in ("out_of_plane", "in_plane"))
+    return " / ".join(number(share, 2) for share in shares)
 
 
 def stable(run: Stored) -> str:
@@ -87,7 +93,7 @@ def at_radii(path: Columns, radii: np.ndarray, field: str) -> np.ndarray:
 
 
 def relative_error(path: Columns, exact: Columns, field: str, low: float, high: float) -> float:
-    """Relative L2 error of a stretch over the rows between two radii (mm) against the closed form; NaN without rows."""
+    """Relative L2 error of a stretch over the rows between two radii (mm); NaN without rows."""
     if not path or not exact:
         return math.nan
     rows = (path["R_mm"] >= low) & (path["R_mm"] <= high)
@@ -103,9 +109,9 @@ def quantity_table(
     quantities: Mapping[str, tuple[str, ...]],
     reference: Stored | None,
 ) -> Table:
-    """Quantities of each run, with the relative difference from a reference run below each in the next column.
+    """Quantities of each run, each followed by its relative difference from a reference run.
 
-    quantities : column head with unit -> keys of `result.json`, the last of which may be an index such as "#2".
+    quantities : column head with unit -> keys of `result.json`; the last may be an index such as "#2".
     """
     columns = ["method", "nodes"]
     for name in quantities:
