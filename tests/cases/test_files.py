@@ -160,7 +160,7 @@ def test_the_system_can_exchange_folders_here(tmp_path: Path) -> None:
     assert (tmp_path / "b" / "a").exists()
 
 
-@pytest.mark.parametrize("when", ["while filling", "at fsync", "at the rename"])
+@pytest.mark.parametrize("when", ["while filling", "at fsync", "at the exchange", "at the second rename"])
 def test_a_full_disk_leaves_the_old_folder(
     when: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -177,8 +177,16 @@ def test_a_full_disk_leaves_the_old_folder(
 
     if when == "at fsync":
         monkeypatch.setattr(folders.os, "fsync", full)
-    if when == "at the rename":
+    if when == "at the exchange":
         monkeypatch.setattr(folders, "_exchange", full)
+    if when == "at the second rename":
+        rename, calls = os.rename, []
+        monkeypatch.setattr(folders, "_exchange", lambda *_: False)
+        monkeypatch.setattr(
+            folders.os,
+            "rename",
+            lambda *words: (calls.append(words), full() if len(calls) == 2 else rename(*words)),
+        )
     sentence = f"Could not write {out}: No space left on device. What was there before is unchanged."
     with pytest.raises(StorageError, match=re.escape(sentence)):
         write_folder(out, fill)
