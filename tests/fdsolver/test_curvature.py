@@ -270,3 +270,15 @@ def test_unknown_edges_and_supports_are_refused() -> None:
         curvature_constants(grid, SHEET, {"left": "clamped"})
     with pytest.raises(ValueError, match="support of 'inner' must be clamped or one of"):
         curvature_constants(grid, SHEET, {"inner": "glued"})
+
+
+def test_the_normal_is_given_at_a_corner_only_if_both_its_edges_are_clamped() -> None:
+    """Where a clamped and a free edge meet on one mesh line, the corner is as free as the free edge."""
+    grid = MESHES["hole"]
+    one = curvature_constants(grid, SHEET, {"left": "clamped"})
+    both = curvature_constants(grid, SHEET, {"left": "clamped", "top": "clamped"})
+    corners = [tuple(grid.edges["left"][end]) for end in (0, -1)]
+    assert [one.clamped2[at] for at in corners] == [False, False]
+    assert np.sum(one.clamped2) == len(grid.edges["left"]) - 2
+    assert sorted(both.clamped2[at] for at in corners) == [False, True]
+    assert not one.clamped1.any() and not both.clamped1.any()
