@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from tensionfield.annulus_start import CoarseAnnulus, coarse_annulus
 
 ELEMENTS = (160, 640)  # of the coarse equilibrium; the finer one where the coarser cannot resolve the fields
 ELEMENT_TURN = 0.5  # radians over one element; more of it means a waist that the elements do not resolve
+NARROWEST = 1e-9  # band, over the outer radius: the zero of a rounded function is not known more closely
 SLACK_ENERGY = 1e-26  # strains below 1e-13 are rounding
 
 
@@ -38,37 +39,59 @@ class ScaledSolution:
     lines: Callable[[Array], Array]
 
 
-def start(problem: ScaledAnnulus) -> CoarseAnnulus:
-    """Return the coarse equilibrium from which an exact method starts.
+def starts(problem: ScaledAnnulus) -> Iterator[CoarseAnnulus]:
+    """Yield coarse equilibria from which an exact method can start, the cheaper one first.
 
-    Raises NoAnnulusSolution if a zone is slack, because it can then take any of infinitely many shapes, and
-    if the twist closes the sheet on its axis.
+    Raises NoAnnulusSolution if a zone is slack, because it can then take any of many shapes, and if the twist
+    closes the sheet on its axis.
     """
+    refusal = None
     for elements in ELEMENTS:
         coarse = coarse_annulus(problem, elements)
-        if coarse.energy <= SLACK_ENERGY:
-            raise NoAnnulusSolution(
-                "the whole annulus is slack or unloaded: its rims can meet without stress, "
-                "and the shape of a slack sheet is not unique"
-            )
-        if problem.lift == problem.twist == 0.0 and np.any(coarse.line[:, 0] <= 0.0):
-            raise NoAnnulusSolution(
-                "the flat annulus is pressed together in the radial direction until it is slack or folds "
-                "over itself, and the shape of a slack sheet is not unique"
-            )
-        slack = np.flatnonzero(coarse.state == SLACK)
-        if not slack.size and np.max(np.abs(np.diff(coarse.field[:, 1]))) <= ELEMENT_TURN:
-            return coarse
+        refusal = _refusal(problem, coarse)
+        if refusal is None:
+            yield coarse
+    if refusal is not None:
+        raise NoAnnulusSolution(refusal)
+
+
+def _refusal(problem: ScaledAnnulus, coarse: CoarseAnnulus) -> str | None:
+    """Return why a coarse equilibrium has no exact one near it; None if it has."""
+    if coarse.energy <= SLACK_ENERGY:
+        return (
+            "the whole annulus is slack or unloaded: its rims can meet without stress, "
+            "and the shape of a slack sheet is not unique"
+        )
+    if problem.lift == problem.twist == 0.0 and (not coarse.at_rest or np.any(coarse.line[:, 0] <= 0.0)):
+        return (
+            "the flat annulus is pressed together in the radial direction until it is slack or folds over "
+            "itself, and the shape of a slack sheet is not unique"
+        )
+    if not coarse.at_rest:
+        return "no equilibrium of the annulus was found: the descent of its energy did not come to rest"
+    slack = np.flatnonzero(coarse.state == SLACK)
     if slack.size:
         first, last = coarse.radius[slack[0]], coarse.radius[slack[-1] + 1]
-        raise NoAnnulusSolution(
-            f"the annulus is slack between {first:.4g} and {last:.4g} outer radii, and the shape of a slack "
-            "sheet is not unique"
+        return (
+            f"the annulus is slack between {first:.4g} and {last:.4g} outer radii, "
+            "and the shape of a slack sheet is not unique"
         )
-    raise NoAnnulusSolution(
-        f"the twist of {np.degrees(problem.twist):.6g} degrees closes the sheet on its axis, like a candy "
-        "wrapper: a ring of the sheet collapses to a point, which carries no torque"
-    )
+    if np.max(np.abs(np.diff(coarse.field[:, 1]))) > ELEMENT_TURN:
+        return (
+            f"the twist of {np.degrees(problem.twist):.6g} degrees closes the sheet on its axis, like a "
+            "candy wrapper: a ring of the sheet collapses to a point, which carries no torque"
+        )
+    return None
+
+
+def merged(
+    states: Sequence[int], limits: Sequence[float], inner: float
+) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """Return the states and limits without the bands that are narrower than rounding can tell."""
+    edges = (inner, *limits, 1.0)
+    kept = [i for i in range(len(states)) if edges[i + 1] - edges[i] > NARROWEST]
+    kept = [i for n, i in enumerate(kept) if n == 0 or states[i] != states[kept[n - 1]]]
+    return tuple(states[i] for i in kept), tuple(edges[i] for i in kept[1:])
 
 
 def runs(states: NDArray[np.int64]) -> tuple[list[int], list[int]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from tensionfield.annulus_chebyshev import Elements
 from tensionfield.annulus_energy import Array, States, force_and_tangent
@@ -27,17 +28,15 @@ class Linearised:
     source_slope: Array
 
 
-def lines(elements: Elements, field: Array) -> tuple[Array, Array]:
-    """Return line derivatives (e, n, 4) and phi' (e, n) of the nodal `field` (e, n, 3)."""
-    slope = elements.derivative(field)
+def lines(elements: Elements, field: Array, slope: Array) -> Array:
+    """Return line derivatives (e, n, 4) of the nodal `field` and its derivative `slope`, both (e, n, 3)."""
     r = field[..., 0]
-    line = np.stack([slope[..., 0], r * slope[..., 1], slope[..., 2], r / elements.radius], axis=-1)
-    return line, slope[..., 1]
+    return np.stack([slope[..., 0], r * slope[..., 1], slope[..., 2], r / elements.radius], axis=-1)
 
 
-def linearised(elements: Elements, field: Array, poisson: float, branch: States) -> Linearised:
-    """Return the momenta of the nodal `field` (e, n, 3), and derivatives; `branch` (e, 1) per element."""
-    line, turn = lines(elements, field)
+def linearised(elements: Elements, field: Array, slope: Array, poisson: float, branch: States) -> Linearised:
+    """Return momenta and derivatives of the nodal `field` and `slope` (e, n, 3) on each `branch` (e, 1)."""
+    line, turn = lines(elements, field, slope), slope[..., 1]
     force, tangent = force_and_tangent(line, poisson, branch)
     radius, r = elements.radius, field[..., 0]
     by_field = np.zeros((*r.shape, 4, 3))  # of the line derivatives
@@ -60,32 +59,44 @@ def linearised(elements: Elements, field: Array, poisson: float, branch: States)
     )
 
 
-def newton_system(elements: Elements, field: Array, poisson: float, branch: States) -> tuple[Array, Array]:
-    """Return the residual (m, 3) and its Jacobian (m, 3, m, 3) at the m distinct nodes inside the rims.
+def newton_step(elements: Elements, field: Array, slope: Array, poisson: float, branch: States) -> Array:
+    """Return Newton's step (m, 3) at the m distinct nodes, zero at both rims.
 
     At inner nodes of an element the residual is that of the differential equations, between elements it is
     the jump of the momenta.
+
+    Raises LinAlgError if the Jacobian is singular.
     """
-    terms = linearised(elements, field, poisson, branch)
+    terms = linearised(elements, field, slope, poisson, branch)
     count, nodes = elements.radius.shape
     local = elements.derivative(terms.momenta)
     local[..., 0] -= terms.source
-    size = count * (nodes - 1) + 1
-    residual, matrix = np.zeros((size, 3)), np.zeros((size, 3, size, 3))
-    identity = np.eye(nodes)
+    size, width = 3 * (count * (nodes - 1) + 1), 3 * nodes - 1
+    residual, band = np.zeros(size), np.zeros((2 * width + 1, size))
+    row, column = np.indices((3 * nodes, 3 * nodes))
     for e in range(count):
-        slope = elements.matrix(e)
-        change = np.einsum("nk,ncd->nckd", identity, terms.momenta_field[e])
-        change += np.einsum("nk,ncd->nckd", slope, terms.momenta_slope[e])
-        jacobian = np.einsum("mn,nckd->mckd", slope, change)
-        jacobian[:, 0] -= np.einsum("nk,nd->nkd", identity, terms.source_field[e])
-        jacobian[:, 0] -= np.einsum("nk,nd->nkd", slope, terms.source_slope[e])
-        first, last = e * (nodes - 1), (e + 1) * (nodes - 1)
-        own, inner = slice(first, last + 1), slice(first + 1, last)
-        residual[inner] = local[e, 1:-1]
-        matrix[inner, :, own] = jacobian[1:-1]
-        residual[first] -= terms.momenta[e, 0]
-        matrix[first, :, own] -= change[0]
-        residual[last] += terms.momenta[e, -1]
-        matrix[last, :, own] += change[-1]
-    return residual[1:-1], matrix[1:-1, :, 1:-1]
+        block, first = _element_jacobian(elements.matrix(e), terms, e), 3 * e * (nodes - 1)
+        band[width + row - column, first + column] += block.reshape(3 * nodes, 3 * nodes)
+        own = np.concatenate([-terms.momenta[e, :1], local[e, 1:-1], terms.momenta[e, -1:]])
+        residual[first : first + 3 * nodes] += own.ravel()
+    for rim in (slice(0, 3), slice(size - 3, size)):  # the rows of the rims say that their step is zero
+        index = np.arange(size)[rim]
+        offset, other = np.indices((2 * width + 1, size))
+        band[np.isin(offset + other - width, index)] = 0.0
+        band[width, index], residual[index] = 1.0, 0.0
+    return np.asarray(solve_banded((width, width), band, -residual), dtype=np.float64).reshape(-1, 3)
+
+
+def _element_jacobian(to_slope: Array, terms: Linearised, e: int) -> Array:
+    """Return the derivative (n, 3, n, 3) of one element's part of the residual by its nodal field.
+
+    to_slope : (n, n) derivative matrix of the element.
+    """
+    identity = np.eye(to_slope.shape[0])
+    change = np.einsum("nk,ncd->nckd", identity, terms.momenta_field[e])
+    change += np.einsum("nk,ncd->nckd", to_slope, terms.momenta_slope[e])
+    jacobian = np.einsum("mn,nckd->mckd", to_slope, change)
+    jacobian[:, 0] -= np.einsum("nk,nd->nkd", identity, terms.source_field[e])
+    jacobian[:, 0] -= np.einsum("nk,nd->nkd", to_slope, terms.source_slope[e])
+    jacobian[0], jacobian[-1] = -change[0], change[-1]
+    return jacobian

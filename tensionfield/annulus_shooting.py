@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import OdeSolution, solve_ivp
 
-from tensionfield.annulus_bands import ScaledSolution, start
+from tensionfield.annulus_bands import ScaledSolution, merged, starts
 from tensionfield.annulus_energy import TENSE, WRINKLED, Array, force_and_tangent
 from tensionfield.annulus_momenta import Momenta, Slope
 from tensionfield.annulus_problem import NoAnnulusSolution, ScaledAnnulus
@@ -24,6 +24,7 @@ from tensionfield.annulus_start import CoarseAnnulus
 
 MAX_NEWTON = 30
 MAX_BANDS = 20
+SWITCH_ROUNDING, FIRST_STEP = 1e-14, 1e-6  # of strains near 1; a step over which it changes by more
 AXIS = 1e-6  # deformed radius, over the outer radius, that counts as the axis
 DIFFERENCE = (
     1e-6  # relative step of the Jacobian: halfway between rounding and curvature at the loose tolerance
@@ -75,6 +76,21 @@ def _events(momenta: Momenta, state: int) -> tuple[Callable[[float, Array], floa
     return switch, axis
 
 
+def _first_state(momenta: Momenta, radius: float, y: Array) -> int:
+    """Return the state beside the inner rim, from the switch function at the rim or just beyond.
+
+    At the rim it is zero for nu = 0 without twist and growth, and its rounded sign says nothing.
+    """
+    switch = momenta.tense(radius, float(y[0]), float(y[1])).switch
+    if abs(switch) < SWITCH_ROUNDING:
+        rate = _rates(momenta, TENSE)(radius, y)
+        step = FIRST_STEP * radius
+        switch = momenta.tense(
+            radius + step, float(y[0]) + step * rate[0], float(y[1]) + step * rate[1]
+        ).switch
+    return TENSE if switch > 0.0 else WRINKLED
+
+
 def shoot(problem: ScaledAnnulus, unknown: Array, tolerance: float) -> list[Band]:
     """Integrate from the inner rim with p, G, Q = `unknown` (3,), and return the bands.
 
@@ -82,7 +98,7 @@ def shoot(problem: ScaledAnnulus, unknown: Array, tolerance: float) -> list[Band
     """
     momenta = Momenta(problem.poisson, float(unknown[1]), float(unknown[2]))
     radius, y = problem.inner, np.array([problem.r_inner, unknown[0], problem.twist, problem.lift, 0.0])
-    state = TENSE if momenta.tense(radius, float(y[0]), float(y[1])).switch > 0.0 else WRINKLED
+    state = _first_state(momenta, radius, y)
     bands: list[Band] = []
     while radius < 1.0:
         result = solve_ivp(
@@ -185,8 +201,17 @@ def solve_by_shooting(problem: ScaledAnnulus, tolerance: float) -> ScaledSolutio
 
     Raises NoAnnulusSolution for slack zones and where no solution is found.
     """
-    unknown, jacobian = _search(problem, _first_guess(problem, start(problem)))
-    unknown, bands = _polish(problem, unknown, jacobian, tolerance)
+    failure = NoAnnulusSolution("shooting across the annulus did not converge")
+    for coarse in starts(problem):
+        try:
+            unknown, jacobian = _search(problem, _first_guess(problem, coarse))
+            return _collected(problem, *_polish(problem, unknown, jacobian, tolerance))
+        except NoAnnulusSolution as error:
+            failure = error
+    raise failure
+
+
+def _collected(problem: ScaledAnnulus, unknown: Array, bands: list[Band]) -> ScaledSolution:
     momenta = Momenta(problem.poisson, float(unknown[1]), float(unknown[2]))
 
     def path(radii: Array) -> tuple[Array, NDArray[np.int64]]:
@@ -209,9 +234,11 @@ def solve_by_shooting(problem: ScaledAnnulus, tolerance: float) -> ScaledSolutio
         ]
         return np.column_stack([np.array([slope[:3] for slope in slopes]).reshape(-1, 3), y[0] / radii])
 
+    ends = [band.high for band in bands[:-1]]
+    states, switches = merged([band.state for band in bands], ends, problem.inner)
     return ScaledSolution(
-        switches=tuple(band.high for band in bands[:-1]),
-        states=tuple(band.state for band in bands),
+        switches=switches,
+        states=states,
         torque=momenta.torque,
         axial=momenta.axial,
         energy=float(bands[-1].path(1.0)[4]),
