@@ -1,8 +1,8 @@
 """Response of the measured curvatures (see `fdsolver.curvature`) to quadratic fields on the flat mesh.
 
-The fields are x^2/2, y^2/2 and x y. A small deflection f of the flat sheet tilts the normal by the slope that fits
-the differences of f along the two discrete tangents, so the measured curvature is the second difference of f less
-that slope times the second difference of the mesh: fields that are affine in the plane give nothing on any mesh.
+The fields are x^2/2, y^2/2 and x y. A small deflection f of the flat sheet tilts the normal by the slope
+that fits the differences of f along the two discrete tangents, so the measured curvature is the second
+difference of f less that slope times the second difference of the mesh: affine fields give nothing.
 """
 
 from __future__ import annotations
