@@ -26,20 +26,20 @@ def membrane_bands(law, r, f, zone, energy, rows, columns, closed, scratch):
 
 
 @threaded
-def plate_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, c33):
+def plate_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, twist):
     """`plate.band` on as many bands of rows as there are scratch arrays, one thread each."""
     bands = scratch.shape[0]
     for k in numba.prange(bands):
         start, stop = k * rows // bands, (k + 1) * rows // bands
-        plate.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k], node, c33)
+        plate.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k], node, twist)
 
 
 @dataclass(frozen=True)
 class Force:
     """Force and energy of a model on one mesh, in scaled units (lengths / L, stresses / Y).
 
-    law : membrane law; relaxed : whether it carries no compression. zone : (5, zone rows, nj - 1) of `membrane.zone_constants`. node : (7, ni, nj) and c33 :
-    (zone rows, nj - 1), bending constants, or None: bending is off. scratch : one flat array per thread.
+    law : membrane law; relaxed : whether it carries no compression. zone : (5, zone rows, nj - 1) of `membrane.zone_constants`. node : (7, ni, nj) and twist :
+    (4, zone rows, nj - 1), bending constants, or None: bending is off. scratch : one flat array per thread.
     """
 
     law: tuple
@@ -49,12 +49,12 @@ class Force:
     closed: bool
     zone: np.ndarray
     node: np.ndarray | None
-    c33: np.ndarray | None
+    twist: np.ndarray | None
     scratch: np.ndarray
     row_energy: np.ndarray
 
     def __call__(self, r: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Write the force -dE/dr on every node, fixed ones included, into f; return (membrane, bending) energy.
+        """Write the force -dE/dr on every node, fixed ones included, into f; return (membrane, bending, hourglass) energy.
 
         r, f : (3, ni, nj) float64, C-contiguous. The energies are summed by rows in order: same bits for any
         number of threads.
@@ -62,12 +62,12 @@ class Force:
         threads = self.scratch.shape[0]
         mesh = (self.zone.reshape(-1), self.row_energy, self.rows, self.columns, self.closed)
         place = (0, self.rows, self.scratch[0]) if threads == 1 else (self.scratch,)
-        if self.node is None or self.c33 is None:
+        if self.node is None or self.twist is None:
             evaluate = membrane.band if threads == 1 else membrane_bands
             evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place)
         else:
             evaluate = plate.band if threads == 1 else plate_bands
-            bending = (self.node.reshape(-1), self.c33.reshape(-1))
+            bending = (self.node.reshape(-1), self.twist.reshape(-1))
             evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place, *bending)
         return self.row_energy.sum(axis=1)
 
@@ -81,11 +81,11 @@ def build_force(grid: Grid, sheet: Sheet, model: Model, supports: Mapping[str, s
     """
     if grid.nj > MOST_COLUMNS:
         raise ValueError(f"a mesh line has {grid.nj} nodes; the kernels take at most {MOST_COLUMNS}")
-    node, c33, slots = None, None, membrane.SLOTS
+    node, twist, slots = None, None, membrane.SLOTS
     if model.bending:
         k = curvature_constants(grid, sheet, supports)
         node = np.stack([k.K11, k.K12, k.K22, k.K13, k.K23, k.K33_rest, k.twist_weight])
-        c33, slots = np.ascontiguousarray(k.C33), plate.SLOTS
+        twist, slots = np.concatenate([k.C33[None], plate.hourglass_constants(grid)]), plate.SLOTS
     return Force(
         law=model.law(sheet.poisson),
         relaxed=model.relaxed,
@@ -94,7 +94,7 @@ def build_force(grid: Grid, sheet: Sheet, model: Model, supports: Mapping[str, s
         closed=grid.closed,
         zone=membrane.zone_constants(grid),
         node=node,
-        c33=c33,
+        twist=twist,
         scratch=np.zeros((threads, slots * PITCH)),
-        row_energy=np.zeros((2, grid.ni)),
+        row_energy=np.zeros((3, grid.ni)),
     )

@@ -88,19 +88,71 @@ def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, sti
                 stiffness[5, row, column] += along * wy * wz
 
 
-def _bending_stiffness(force: Force) -> np.ndarray:
-    """Row-sum bound of the bending stiffness at every node, (ni, nj), scaled."""
-    assert force.node is not None and force.c33 is not None
-    k11, k12, k22, k13, k23, k33 = np.abs(force.node[:6])
-    first, second, mixed = k11 + k12 + k13, k12 + k22 + k23, k13 + k23 + np.abs(k33)
-    stiffness = 16.0 * (first + second) + 4.0 * mixed
-    corner = 4.0 * force.c33
-    around = np.roll(corner, 1, axis=0) if force.closed else corner
-    near, far = (slice(None), slice(None)) if force.closed else (slice(None, -1), slice(1, None))
-    for columns in (slice(None, -1), slice(1, None)):
-        stiffness[near, columns] += corner
-        stiffness[far, columns] += around
-    return stiffness
+@compiled
+def _length(x, y, z):
+    return np.sqrt(x * x + y * y + z * z)
+
+
+@compiled
+def _node_bending_stiffness(r, node, closed, stiffness):
+    """Add the row-sum bound of the nodes' bending energy, (ni, nj), to the node and its four neighbours.
+
+    b1 = n . s1 changes by n . d(s1), at most 4 |dr|, and by s1 . dn with |dn| <= (|t2| |d(t1)| + |t1| |d(t2)|) / |w|,
+    w = t1 x t2. The second part is what counts in a sharp fold, where t1 and t2 become parallel.
+    """
+    rows, columns = r.shape[1], r.shape[2]
+    for i in range(rows):
+        west, east = i - 1, i + 1
+        if closed:
+            west, east = west % rows, east % rows
+        c1 = 0.5 if closed or 0 < i < rows - 1 else 1.0
+        west, east = max(west, 0), min(east, rows - 1)
+        for j in range(columns):
+            south, north = max(j - 1, 0), min(j + 1, columns - 1)
+            c2 = 0.5 if 0 < j < columns - 1 else 1.0
+            t1x, t1y, t1z = r[0, east, j] - r[0, west, j], r[1, east, j] - r[1, west, j], r[2, east, j] - r[2, west, j]
+            t2x, t2y, t2z = r[0, i, north] - r[0, i, south], r[1, i, north] - r[1, i, south], r[2, i, north] - r[2, i, south]
+            x, y, z = 2.0 * r[0, i, j], 2.0 * r[1, i, j], 2.0 * r[2, i, j]
+            s1 = _length(r[0, east, j] - x + r[0, west, j], r[1, east, j] - y + r[1, west, j], r[2, east, j] - z + r[2, west, j])
+            s2 = _length(r[0, i, north] - x + r[0, i, south], r[1, i, north] - y + r[1, i, south], r[2, i, north] - z + r[2, i, south])
+            w = _length(t1y * t2z - t1z * t2y, t1z * t2x - t1x * t2z, t1x * t2y - t1y * t2x) + 1e-300
+            across1, across2 = _length(t2x, t2y, t2z) / w, _length(t1x, t1y, t1z) / w
+            k11, k12, k22 = abs(node[0, i, j]), abs(node[1, i, j]), abs(node[2, i, j])
+            k1, k2 = k11 + k12 + abs(node[3, i, j]), k12 + k22 + abs(node[4, i, j])
+            along1, along2 = 1.0 + s1 * across1, s1 * across2  # |d b1 / d r| of E or W, of N or S
+            other1, other2 = s2 * across1, 1.0 + s2 * across2
+            sum1, sum2 = k1 * 2.0 * (1.0 + along1 + along2), k2 * 2.0 * (1.0 + other1 + other2)
+            beside, above = along1 * sum1 + other1 * sum2, along2 * sum1 + other2 * sum2
+            stiffness[i, j] += 2.0 * (sum1 + sum2)
+            stiffness[east, j] += beside
+            stiffness[west, j] += beside
+            stiffness[i, north] += above
+            stiffness[i, south] += above
+
+
+@compiled
+def _zone_bending_stiffness(r, node, c33, closed, stiffness):
+    """Add the row-sum bound of the zones' twisting energy, and of the mixed moments of their nodes, to their corners."""
+    rows, columns = r.shape[1], r.shape[2]
+    for i in range(c33.shape[0]):
+        k = (i + 1) % rows
+        for j in range(columns - 1):
+            d1x, d1y, d1z = r[0, k, j + 1] - r[0, i, j], r[1, k, j + 1] - r[1, i, j], r[2, k, j + 1] - r[2, i, j]
+            d2x, d2y, d2z = r[0, i, j + 1] - r[0, k, j], r[1, i, j + 1] - r[1, k, j], r[2, i, j + 1] - r[2, k, j]
+            sx = r[0, i, j] + r[0, k, j + 1] - r[0, k, j] - r[0, i, j + 1]
+            sy = r[1, i, j] + r[1, k, j + 1] - r[1, k, j] - r[1, i, j + 1]
+            sz = r[2, i, j] + r[2, k, j + 1] - r[2, k, j] - r[2, i, j + 1]
+            w = _length(d1y * d2z - d1z * d2y, d1z * d2x - d1x * d2z, d1x * d2y - d1y * d2x) + 1e-300
+            s, one, two = _length(sx, sy, sz) / w, _length(d1x, d1y, d1z), _length(d2x, d2y, d2z)
+            mixed = 0.0
+            for row, column in ((i, j), (k, j), (k, j + 1), (i, j + 1)):
+                mixed += 0.25 * (abs(node[3, row, column]) + abs(node[4, row, column]) + abs(node[5, row, column]))
+            ac, bd = 1.0 + s * two, 1.0 + s * one
+            total = (c33[i, j] + mixed) * 2.0 * (ac + bd)
+            stiffness[i, j] += ac * total
+            stiffness[k, j + 1] += ac * total
+            stiffness[k, j] += bd * total
+            stiffness[i, j + 1] += bd * total
 
 
 def nodal_masses(force: Force, r: np.ndarray, ahead: np.ndarray, relaxed: bool, kind: str = "nodal") -> np.ndarray:
@@ -115,7 +167,10 @@ def nodal_masses(force: Force, r: np.ndarray, ahead: np.ndarray, relaxed: bool, 
     stiffness = np.zeros((6, force.rows, force.columns))
     _membrane_stiffness(force.law, r, ahead, force.zone, force.closed, relaxed, FLOOR, MARGIN, stiffness)
     if force.node is not None:
-        stiffness[:3] += _bending_stiffness(force)
+        bending = np.zeros((force.rows, force.columns))
+        _node_bending_stiffness(r, force.node, force.closed, bending)
+        _zone_bending_stiffness(r, force.node, force.twist[0], force.closed, bending)
+        stiffness[:3] += bending
     if kind in ("isotropic", "uniform"):
         trace = stiffness[:3].sum(axis=0)
         stiffness[:3] = trace if kind == "isotropic" else trace.max()

@@ -10,6 +10,11 @@ normal of d1 x d2; b3 is the mean of b12 over the zones of a node. The energy is
 with the constants K, C33 of `curvature`. The force is its exact negative gradient: with the moments m = K b,
 dE = m1 n . d(s1) + m2 n . d(s2) + a . d(t1 x t2), a = (m1 s1 + m2 s2 - n (m1 b1 + m2 b2)) / |t1 x t2|; the last term is
 the strain-gradient effect, which comes from the variation of the normal (MODEL section 1).
+
+Zone gradients do not see an in-plane checkerboard, and where free edges leave it loose it grows until nodes fall
+together. So each zone also carries k (|g|^2 - b12^2) / 2 with g = s - F (u_c - u_b - u_d + u_a), s = r_c - r_b - r_d + r_a:
+the part of s that no affine deformation explains, less its normal part, which is curvature. It vanishes on affine
+and on inextensionally bent states and is of second order in the mesh width.
 """
 
 from __future__ import annotations
@@ -17,24 +22,41 @@ from __future__ import annotations
 import numpy as np
 
 from fdsolver import membrane
+from fdsolver.grid import Grid
 from fdsolver.membrane import T1X, T1Y, T1Z, T2X, T2Y, T2Z, UPPER_X, UPPER_Y, UPPER_Z, XA, XB, YA, YB, ZA, ZB
 from fdsolver.rows import FIRST, ONE, PITCH, clear, compiled, load, move, slots
 
+HOURGLASS_STRENGTH = 0.1
+
 XC, YC, ZC = slots(3, membrane.SLOTS)  # positions of node row i + 2
 K11, K12, K22, K13, K23, K33, SHARE, C2 = slots(8, membrane.SLOTS + 3)
-C33 = slots(1, membrane.SLOTS + 11)[0]
 # Normal, 1 / |d1 x d2| and mixed curvature of the zone rows i (old) and i + 1 (new).
-OLD_NX, OLD_NY, OLD_NZ, OLD_SCALE, OLD_B12 = slots(5, membrane.SLOTS + 12)
-NEW_NX, NEW_NY, NEW_NZ, NEW_SCALE, NEW_B12 = slots(5, membrane.SLOTS + 17)
-OLD_M3, NEW_M3 = slots(2, membrane.SLOTS + 22)  # mixed moments of node rows i and i + 1, shared out to their zones
-EAST_X, EAST_Y, EAST_Z, WEST_X, WEST_Y, WEST_Z = slots(6, membrane.SLOTS + 24)  # of node row i + 1 on its neighbours
-NORTH_X, NORTH_Y, NORTH_Z, SOUTH_X, SOUTH_Y, SOUTH_Z = slots(6, membrane.SLOTS + 30)
-SELF_X, SELF_Y, SELF_Z = slots(3, membrane.SLOTS + 36)
-PAST_X, PAST_Y, PAST_Z = slots(3, membrane.SLOTS + 39)  # EAST of node row i
-SUM_X, SUM_Y, SUM_Z = slots(3, membrane.SLOTS + 42)  # gradient at node row i from node rows up to i
-BEND_X, BEND_Y, BEND_Z = slots(3, membrane.SLOTS + 45)  # complete gradient at node row i from nodes
-QX, QY, QZ = slots(3, membrane.SLOTS + 48)  # moment times normal of zone row i
-SLOTS = membrane.SLOTS + 51
+OLD_NX, OLD_NY, OLD_NZ, OLD_SCALE, OLD_B12 = slots(5, membrane.SLOTS + 11)
+NEW_NX, NEW_NY, NEW_NZ, NEW_SCALE, NEW_B12 = slots(5, membrane.SLOTS + 16)
+OLD_M3, NEW_M3 = slots(2, membrane.SLOTS + 21)  # mixed moments of node rows i and i + 1, shared out to their zones
+EAST_X, EAST_Y, EAST_Z, WEST_X, WEST_Y, WEST_Z = slots(6, membrane.SLOTS + 23)  # of node row i + 1 on its neighbours
+NORTH_X, NORTH_Y, NORTH_Z, SOUTH_X, SOUTH_Y, SOUTH_Z = slots(6, membrane.SLOTS + 29)
+SELF_X, SELF_Y, SELF_Z = slots(3, membrane.SLOTS + 35)
+PAST_X, PAST_Y, PAST_Z = slots(3, membrane.SLOTS + 38)  # EAST of node row i
+SUM_X, SUM_Y, SUM_Z = slots(3, membrane.SLOTS + 41)  # gradient at node row i from node rows up to i
+BEND_X, BEND_Y, BEND_Z = slots(3, membrane.SLOTS + 44)  # complete gradient at node row i from nodes
+QX, QY, QZ = slots(3, membrane.SLOTS + 47)  # gradient of zone row i on r_c - r_b - r_d + r_a
+C33, HOURGLASS, ALPHA, BETA = slots(4, membrane.SLOTS + 50)
+SLOTS = membrane.SLOTS + 54
+
+
+def hourglass_constants(grid: Grid, strength: float = HOURGLASS_STRENGTH) -> np.ndarray:
+    """Stiffness k and the affine part (alpha, beta) of s = alpha d1 + beta d2 + g of every zone, scaled.
+
+    strength : share of the stiffness that a fully integrated bilinear zone has against in-plane bending,
+        A (|g1|^2 + |g2|^2) / 12. Returns (3, zone rows, nj - 1) float64.
+    """
+    g1x, g1y, g2x, g2y, area = membrane.zone_constants(grid)
+    u = grid.u / grid.length_mm
+    far, near = (np.roll(u, -1, axis=0), u) if grid.closed else (u[1:], u[:-1])
+    skew = far[:, 1:] - far[:, :-1] - near[:, 1:] + near[:, :-1]
+    stiffness = strength * area * (g1x**2 + g1y**2 + g2x**2 + g2y**2) / 12.0
+    return np.stack([stiffness, g1x * skew[..., 0] + g1y * skew[..., 1], g2x * skew[..., 0] + g2y * skew[..., 1]])
 
 
 @compiled
@@ -121,8 +143,8 @@ def gather_nodes(s, columns, first, last, east, west, north, south, own, past, t
 
 @compiled
 def zone_moment_row(s, columns):
-    """Add the mixed moment of zone row i to the forces on its diagonals; returns the row's bending energy."""
-    energy = 0.0
+    """Add mixed moment and hourglass stiffness of zone row i to the forces on its diagonals; returns both energies."""
+    energy = hourglass = 0.0
     for j in range(columns):
         d1x, d1y, d1z = s[XB + ONE + j] - s[XA + j], s[YB + ONE + j] - s[YA + j], s[ZB + ONE + j] - s[ZA + j]
         d2x, d2y, d2z = s[XA + ONE + j] - s[XB + j], s[YA + ONE + j] - s[YB + j], s[ZA + ONE + j] - s[ZB + j]
@@ -131,17 +153,21 @@ def zone_moment_row(s, columns):
         sz = s[ZB + ONE + j] - s[ZB + j] - s[ZA + ONE + j] + s[ZA + j]
         nx, ny, nz, b12 = s[OLD_NX + j], s[OLD_NY + j], s[OLD_NZ + j], s[OLD_B12 + j]
         energy += 0.5 * s[C33 + j] * b12 * b12
-        m = s[C33 + j] * b12 + s[OLD_M3 + j] + s[OLD_M3 + ONE + j] + s[NEW_M3 + j] + s[NEW_M3 + ONE + j]
+        k, alpha, beta = s[HOURGLASS + j], s[ALPHA + j], s[BETA + j]
+        gx, gy, gz = sx - alpha * d1x - beta * d2x, sy - alpha * d1y - beta * d2y, sz - alpha * d1z - beta * d2z
+        hourglass += 0.5 * k * (gx * gx + gy * gy + gz * gz - b12 * b12)
+        gx, gy, gz = k * gx, k * gy, k * gz
+        m = (s[C33 + j] - k) * b12 + s[OLD_M3 + j] + s[OLD_M3 + ONE + j] + s[NEW_M3 + j] + s[NEW_M3 + ONE + j]
         scale = m * s[OLD_SCALE + j]
         ax, ay, az = scale * (sx - b12 * nx), scale * (sy - b12 * ny), scale * (sz - b12 * nz)
-        s[T1X + j] += d2y * az - d2z * ay
-        s[T1Y + j] += d2z * ax - d2x * az
-        s[T1Z + j] += d2x * ay - d2y * ax
-        s[T2X + j] += ay * d1z - az * d1y
-        s[T2Y + j] += az * d1x - ax * d1z
-        s[T2Z + j] += ax * d1y - ay * d1x
-        s[QX + j], s[QY + j], s[QZ + j] = m * nx, m * ny, m * nz
-    return energy
+        s[T1X + j] += d2y * az - d2z * ay - alpha * gx
+        s[T1Y + j] += d2z * ax - d2x * az - alpha * gy
+        s[T1Z + j] += d2x * ay - d2y * ax - alpha * gz
+        s[T2X + j] += ay * d1z - az * d1y - beta * gx
+        s[T2Y + j] += az * d1x - ax * d1z - beta * gy
+        s[T2Z + j] += ax * d1y - ay * d1x - beta * gz
+        s[QX + j], s[QY + j], s[QZ + j] = m * nx + gx, m * ny + gy, m * nz + gz
+    return energy, hourglass
 
 
 @compiled
@@ -174,6 +200,17 @@ def load_moduli(s, node, row, rows, columns):
 
 
 @compiled
+def load_twist(s, twist, row, zone_rows, columns):
+    """Load the twisting and hourglass constants of one row of zones."""
+    plane = np.uint64(zone_rows) * columns
+    start = np.uint64(row) * columns
+    load(s, C33, twist, start, columns)
+    load(s, HOURGLASS, twist, plane + start, columns)
+    load(s, ALPHA, twist, np.uint64(2) * plane + start, columns)
+    load(s, BETA, twist, np.uint64(3) * plane + start, columns)
+
+
+@compiled
 def load_positions(s, r, i, rows, columns, closed):
     """Load node rows i, i + 1, i + 2; rows beyond an open edge repeat the edge. Ghost columns repeat the end."""
     for slot_x, slot_y, slot_z, k in ((XA, YA, ZA, i), (XB, YB, ZB, i + 1), (XC, YC, ZC, i + 2)):
@@ -193,11 +230,12 @@ def gather_row(s, n, first, last):
 
 
 @compiled
-def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, c33):
+def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, twist):
     """Force and energy of the node rows start <= i < stop, membrane and bending.
 
-    As `membrane.band`; node : flat (7, rows, columns), K11, K12, K22, K13, K23, K33, share; c33 : flat (zone rows,
-    columns - 1). energy[1, i] takes the bending energy of node row i and zone row i. Zone row i needs the moments of
+    As `membrane.band`, with energy : (3, rows); node : flat (7, rows, columns), K11, K12, K22, K13, K23, K33, share; twist : flat (4, zone rows,
+    columns - 1), C33 and `hourglass_constants`. energy[1, i] takes the bending energy of node row
+    i and zone row i, energy[2, i] the hourglass energy of zone row i. Zone row i needs the moments of
     node rows i and i + 1, and these the mixed curvatures of zone rows i - 1 to i + 1: so rows enter three steps early.
     """
     n = np.uint64(columns)
@@ -235,11 +273,11 @@ def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, c
         if closed or 0 <= i < zone_rows:
             here = i % rows
             membrane.load_zones(s, zone, here, zone_rows, cells)
-            load(s, C33, c33, np.uint64(here) * cells, cells)
+            load_twist(s, twist, here, zone_rows, cells)
             membrane_energy = membrane.zone_row(s, law, cells)
-            bending_energy = zone_moment_row(s, cells)
+            bending_energy, hourglass_energy = zone_moment_row(s, cells)
         else:
-            membrane_energy = bending_energy = 0.0
+            membrane_energy = bending_energy = hourglass_energy = 0.0
             for t in (T1X, T1Y, T1Z, T2X, T2Y, T2Z, QX, QY, QZ):
                 clear(s, t, n)
         if i >= start:
@@ -249,6 +287,7 @@ def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, c
             node_row(s, f, plane + plane + first, n, T1Z, T2Z, QZ, UPPER_Z, BEND_Z)
             energy[0, i] = membrane_energy
             energy[1, i] += bending_energy
+            energy[2, i] = hourglass_energy
         keep_upper(s, n, T1X, T2X, QX, UPPER_X)
         keep_upper(s, n, T1Y, T2Y, QY, UPPER_Y)
         keep_upper(s, n, T1Z, T2Z, QZ, UPPER_Z)

@@ -27,7 +27,7 @@ def assemble(
     sheet, length = problem.sheet, grid.length_mm
     force_unit = sheet.young_MPa * sheet.thickness_mm * length
     f = np.zeros_like(run.state.r)
-    membrane, bending = (level.force(run.state.r, f) * force_unit * length).tolist()
+    membrane, bending, control = (level.force(run.state.r, f) * force_unit * length).tolist()
     r = level.unscaled(run.state.r)
     fields = zone_fields(grid, sheet, r, relaxed=model.relaxed)
     hourglass = hourglass_share(grid, r)
@@ -48,7 +48,12 @@ def assemble(
         seconds=run.seconds,
         cpu_seconds=run.cpu_seconds,
         seconds_compile=seconds_compile,
-        energy_N_mm={"total": membrane + bending, "membrane": membrane, "bending": bending},
+        energy_N_mm={
+            "total": membrane + bending + control,
+            "membrane": membrane,
+            "bending": bending,
+            "hourglass": control,
+        },
         reactions=reactions(grid, problem.edges, r, np.moveaxis(f, 0, -1) * force_unit),
         zone=fields,
         history=dict(zip(HISTORY, history, strict=True)),
