@@ -65,14 +65,18 @@ def measure(s: np.ndarray, z: np.ndarray, closed: bool = False, floor_mm: float 
     floor_mm : a profile whose amplitude is not above this is flat: no wavelength, no half-waves, no symmetry.
     """
     amplitude = float(np.abs(z).max())
-    rms = float(np.sqrt(np.trapezoid(z**2, s) / (s[-1] - s[0])))
+    if amplitude == 0.0:
+        return Measures(0.0, 0.0, None, 0, None)
+    # Squares of the shape, not of the heights: those of tiny heights would underflow.
+    shape = z / amplitude
+    rms = amplitude * float(np.sqrt(np.trapezoid(shape**2, s) / (s[-1] - s[0])))
     if not amplitude > floor_mm:
         return Measures(amplitude, rms, None, 0, None)
     waves = half_waves(s, z, closed)
     wavelength = None
     if len(waves.envelope_mm):
         wavelength = float(waves.wavelength_mm[np.argmax(waves.envelope_mm)])
-    symmetry = None if closed else mirror_correlation(s, z)
+    symmetry = None if closed else mirror_correlation(s, shape)
     return Measures(amplitude, rms, wavelength, count_half_waves(z, closed), symmetry)
 
 
@@ -126,14 +130,17 @@ def half_waves(s: np.ndarray, z: np.ndarray, closed: bool = False) -> HalfWaves:
     # The first turning point has a half-wave only if something closes it on the left, the last one on the
     # right.
     inner = turns[1 - len(before) : len(turns) - 1 + len(after)]
-    envelope = [min(abs(z[turn] - level) for level in levels[k : k + 2]) for k, turn in enumerate(inner)]
+    envelope = np.array(
+        [min(abs(z[turn] - level) for level in levels[k : k + 2]) for k, turn in enumerate(inner)],
+        dtype=float,
+    )
     start, end = np.array(crossings[:-1], dtype=float), np.array(crossings[1:], dtype=float)
-    wavelength = _averaged(2.0 * (end - start))
+    wavelength = _averaged(2.0 * (end - start), envelope)
     once = np.arange(len(start))
     if closed and len(start):
         # Drop the first (it lacks a neighbour) and what repeats it one round later; 1e-9 is for rounding.
         once = np.flatnonzero((start > start[0]) & (start <= start[0] + length * (1.0 + 1e-9)))
-    return HalfWaves(start[once], end[once], np.array(envelope, dtype=float)[once], wavelength[once])
+    return HalfWaves(start[once], end[once], envelope[once], wavelength[once])
 
 
 def smallest_wavelength_ratio(waves: HalfWaves, s: np.ndarray, spacing_mm: np.ndarray) -> float | None:
@@ -233,9 +240,16 @@ def _vanishing(s: np.ndarray, height: np.ndarray, level: float) -> float:
     return float(2.0 * places[1] - places[0])
 
 
-def _averaged(values: np.ndarray) -> np.ndarray:
-    """1 : 2 : 1 means of neighbours; the ends as they are."""
+def _averaged(values: np.ndarray, envelope: np.ndarray) -> np.ndarray:
+    """1 : 2 : 1 means of neighbours; the ends as they are.
+
+    A neighbour less than half as high belongs to another part of the profile and is replaced by the value
+    itself.
+    """
     averaged = values.copy()
     if len(values) >= 3:
-        averaged[1:-1] = 0.25 * values[:-2] + 0.5 * values[1:-1] + 0.25 * values[2:]
+        own, high = values[1:-1], 0.5 * envelope[1:-1]
+        left = np.where(envelope[:-2] >= high, values[:-2], own)
+        right = np.where(envelope[2:] >= high, values[2:], own)
+        averaged[1:-1] = 0.25 * left + 0.5 * own + 0.25 * right
     return averaged
