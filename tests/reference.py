@@ -141,6 +141,21 @@ def bending_energy(
     return np.sum(node) + np.sum(k.C33 * b12**2) / 2
 
 
+def hourglass_energy(r: np.ndarray, grid: Grid, strength: float) -> np.ndarray:
+    """Sum over the zones of k (|g|^2 - b12^2) / 2, g the part of r_c - r_b - r_d + r_a that F does not explain.
+
+    k is the share `strength` of A (|g1|^2 + |g2|^2) / 12, where f,a = (f_c - f_a) g1_a + (f_d - f_b) g2_a.
+    """
+    p, q, area = zone_diagonals(grid)
+    u_a, u_b, u_c, u_d = zones(grid.u / grid.length_mm, grid.closed)
+    r_a, r_b, r_c, r_d = zones(r, grid.closed)
+    r_1, r_2 = zone_gradient(r, grid)
+    skew = u_c - u_b - u_d + u_a
+    g = r_c - r_b - r_d + r_a - r_1 * skew[..., :1] - r_2 * skew[..., 1:]
+    k = strength * (dot(p, p) + dot(q, q)) / (48 * area)
+    return np.sum(k * (dot(g, g) - zone_twist(r, grid) ** 2)) / 2
+
+
 def gradient(energy: Callable[[np.ndarray], np.ndarray], r: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """dE/dr at the given nodes (m, 2), shape (m, 3), by imaginary steps: no cancellation."""
     step = 1e-30

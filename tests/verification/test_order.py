@@ -134,7 +134,7 @@ def exact_work(grid: Grid) -> float:
 
 
 def discrete(grid: Grid) -> tuple[np.ndarray, float]:
-    """(membrane, bending) energy and virtual work of the kernel."""
+    """(membrane, bending, hourglass) energy and virtual work of the kernel."""
     x, y = np.moveaxis(grid.u / grid.length_mm, 2, 0)
     r = np.ascontiguousarray(np.moveaxis(deformation(grid)(x, y), -1, 0))
     force = np.empty_like(r)
@@ -155,6 +155,7 @@ def test_energies_and_virtual_work_are_second_order(name: str) -> None:
     errors = {
         "membrane": [parts[0] / energy[0] - 1 for parts, _ in found],
         "bending": [parts[1] / energy[1] - 1 for parts, _ in found],
+        "hourglass": [parts[2] / energy.sum() for parts, _ in found],
         "work": [value / work - 1 for _, value in found],
     }
     for quantity, error in errors.items():
