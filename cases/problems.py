@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 LONGEST_SHOWN = 60
+DEEPEST_SHOWN = 8
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ def shown(value: object) -> str:
 def shown_key(parts: Iterable[object]) -> str:
     """A dotted key; parts that are not plain words are quoted."""
     words = [str(part) for part in parts]
-    return ".".join(word if _is_plain(word) else shown(word) for word in words)
+    text = ".".join(word if _is_plain(word) else shown(word) for word in words[:DEEPEST_SHOWN])
+    return text if len(words) <= DEEPEST_SHOWN else text + "..."
 
 
 def _is_plain(word: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import stat
 import tomllib
 from functools import cache
@@ -13,6 +14,8 @@ from cases.problems import Problem, SceneError, nearest, one_of, shown
 
 LARGEST_FILE = 1_000_000
 DEEPEST = 8
+# Found before parsing: the time of the parser grows with the square of the number of parts of a dotted key.
+TOO_DEEP_KEY = re.compile(rf"""[\w"'-](?:[ \t]*\.[ \t]*[\w"'-]+){{{DEEPEST + 1},}}""")
 
 
 @cache
@@ -87,14 +90,17 @@ def parse(content: bytes, where: str) -> dict[str, Any]:
         raise _refused(where, f"is not a text file: line {line} is not UTF-8") from None
     if "\0" in text:
         raise _refused(where, "is not a text file: it contains zero bytes")
+    too_deep_here = f"is nested too deeply; at most {DEEPEST} levels are allowed"
+    if TOO_DEEP_KEY.search(text):
+        raise _refused(where, too_deep_here)
     try:
         document = tomllib.loads(text)
     except RecursionError:
-        raise _refused(where, f"is nested too deeply; at most {DEEPEST} levels are allowed") from None
+        raise _refused(where, too_deep_here) from None
     except ValueError as error:  # TOMLDecodeError, and whole numbers of thousands of digits
         raise _refused(where, f"is not valid TOML: {_printable(str(error))}") from None
     if too_deep(document):
-        raise _refused(where, f"is nested too deeply; at most {DEEPEST} levels are allowed")
+        raise _refused(where, too_deep_here)
     return document
 
 

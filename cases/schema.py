@@ -16,6 +16,9 @@ LARGEST_NODES = 50_000_000
 NAME_PATTERN = re.compile(r"[A-Za-z0-9_-]{1,64}")
 NAME_ALLOWED = "letters, digits, - and _, at most 64 of them"
 
+LENGTH = "a length in mm from 1e-6 to 1e9"
+POINT = "two finite numbers in mm, [x, y], each from -1e9 to 1e9"
+
 
 def _tuple_of(value: object) -> object:
     """A TOML array as the tuple that the models hold."""
@@ -38,7 +41,7 @@ def _symmetry(text: object) -> object:
     return text
 
 
-Length = Annotated[float, Field(ge=1e-6, le=1e9, description="a length in mm from 1e-6 to 1e9")]
+Length = Annotated[float, Field(ge=1e-6, le=1e9, description=LENGTH)]
 Distance = Annotated[float, Field(ge=-1e9, le=1e9)]
 Vector = Annotated[
     tuple[Distance, Distance, Distance],
@@ -48,7 +51,7 @@ Vector = Annotated[
 Point = Annotated[
     tuple[Distance, Distance],
     BeforeValidator(_tuple_of),
-    Field(description="two finite numbers in mm, [x, y], each from -1e9 to 1e9"),
+    Field(description=POINT),
 ]
 Title = Annotated[
     str,
@@ -171,7 +174,7 @@ class Start(Table):
     perturbation: float = Field(
         default=1e-6, ge=0.0, le=0.1, description="a number from 0 to 0.1, a part of the sheet's size"
     )
-    source: str | None = Field(
+    source: Annotated[str | None, BeforeValidator(_printable)] = Field(
         default=None,
         alias="from",
         min_length=1,
@@ -232,9 +235,9 @@ class Solver(Table):
 class Line(Table):
     """A straight line from `from_mm` to `to_mm`, or the circle of `radius_mm` about the origin."""
 
-    start_mm: Point | None = Field(default=None, alias="from_mm")
-    end_mm: Point | None = Field(default=None, alias="to_mm")
-    radius_mm: Length | None = None
+    start_mm: Point | None = Field(default=None, alias="from_mm", description=POINT)
+    end_mm: Point | None = Field(default=None, alias="to_mm", description=POINT)
+    radius_mm: Length | None = Field(default=None, description=LENGTH)
 
 
 @dataclass(frozen=True)

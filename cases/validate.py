@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 from pydantic.fields import FieldInfo
 
 from cases.problems import Problem, did_you_mean, nearest, one_of, shown, shown_key
@@ -35,7 +35,7 @@ from cases.schema import (
 class Heading(Table):
     """The keys above the first table."""
 
-    name: Name | None = None
+    name: Name | None = Field(default=None, description=NAME_ALLOWED)
     title: Title = ""
 
 
@@ -182,12 +182,14 @@ def _nearest_value(info: FieldInfo, value: Any) -> str:
         return did_you_mean(value, choices_of(info))
     if isinstance(value, bool) or not isinstance(value, (int, float)) or value != value:
         return ""
+    if value in (math.inf, -math.inf):
+        return ""
     for limit in info.metadata:
         low, high = getattr(limit, "ge", None), getattr(limit, "le", None)
-        if low is not None and value < low and not math.isinf(value):
-            return f"; the nearest is {low:g}"
-        if high is not None and value > high and not math.isinf(value):
-            return f"; the nearest is {high if isinstance(high, int) else format(high, 'g')}"
+        if low is not None and value < low:
+            return f"; the nearest is {shown(low)}"
+        if high is not None and value > high:
+            return f"; the nearest is {shown(high)}"
     return ""
 
 
