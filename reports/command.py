@@ -106,7 +106,7 @@ def _solve(
     max_seconds: float,
     progress: Callable[[Any], None] | None,
 ) -> str:
-    """The status of the solve.  A result of an older scene or setting in the report's own folder is replaced."""
+    """The status of the solve.  A result of an older scene in the report's own folder is replaced."""
     import cases
 
     try:

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reports.curves import Runs, curve, legend
-from reports.maps import limits, plain_rgb, state_legend, state_rgb, unavailable, zone_map
+from reports.maps import (
+    draw_states,
+    limits,
+    plain_rgb,
+    state_legend,
+    state_rgb,
+    unavailable,
+    zone_map,
+)
 from reports.stored import Columns, Stored
 from reports.style import STRESS_MINOR, STRETCH_MAJOR, STRETCH_MINOR, WRINKLED_TINT, method_name
 from reports.surface import View, lit_view
@@ -27,7 +35,7 @@ def draw_lit(ax: Axes, stored: Stored | None, title: str, view: View = VIEW, col
         unavailable(ax, title, stored)
         return
     colours = state_rgb(stored) if coloured else plain_rgb(stored)
-    picture = lit_view(stored.fields["r"], colours, stored.closed, view)
+    picture = lit_view(stored.fields["r"], colours, stored.closed, view, 1400)
     ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     ax.set_title(title)
     ax.set_axis_off()
@@ -46,12 +54,10 @@ def draw_lit(ax: Axes, stored: Stored | None, title: str, view: View = VIEW, col
 
 def deformed(fig: FigureBase, runs: Runs) -> None:
     """Fig. 9: the deformed sheet, plate above, relaxed membrane below, plain and coloured by state."""
-    axes = fig.subplots(2, 2, width_ratios=[1.35, 1.0])
-    letters = iter("abcd")
-    for row, method in enumerate(SURFACES):
-        name = method_name(method)
-        draw_lit(axes[row, 0], runs.get(method), f"({next(letters)}) {name}")
-        draw_lit(axes[row, 1], runs.get(method), f"({next(letters)}) membrane state", View(), coloured=True)
+    axes = fig.subplots(2, 2, width_ratios=[1.5, 1.0])
+    for row, (method, letters) in enumerate(zip(SURFACES, ("ab", "cd"), strict=True)):
+        draw_lit(axes[row, 0], runs.get(method), f"({letters[0]}) {method_name(method)}")
+        draw_states(axes[row, 1], runs.get(method), f"({letters[1]}) state, seen from above")
     state_legend(fig, loc="outside lower center", ncols=3)
 
 

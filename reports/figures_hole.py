@@ -9,12 +9,12 @@ import numpy as np
 from reports.curves import Runs, curve, legend, widen
 from reports.maps import (
     bar_below,
+    draw_states,
     height_map,
     limits,
     plain_rgb,
     plan_axes,
     state_legend,
-    state_map,
     unavailable,
     zone_map,
 )
@@ -51,15 +51,6 @@ def draw_relief(ax: Axes, stored: Stored | None, title: str) -> None:
     picture = lit_view(stored.fields["r"], plain_rgb(stored), stored.closed, View(), 1200, relief)
     ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     plan_axes(ax, "deformed")
-    ax.set_title(title)
-
-
-def draw_states(ax: Axes, stored: Stored | None, title: str) -> None:
-    """Map of slack, wrinkled and tense zones on the deformed sheet."""
-    if stored is None or not stored.drawable:
-        unavailable(ax, title, stored)
-        return
-    state_map(ax, stored)
     ax.set_title(title)
 
 
@@ -127,7 +118,10 @@ def paths(fig: FigureBase, runs: Runs) -> None:
         axes[1, column].set_xlabel(f"distance from the hole's edge along ${letter}$ (mm)")
         axes[0, column].set_title(f"({'ab'[column]}) largest stretch along ${letter}$")
         axes[1, column].set_title(f"({'cd'[column]}) second stretch along ${letter}$")
-        if found:
+        if not found:
+            for ax, method in zip(axes[:, column], ("koiter", "tension-field"), strict=True):
+                unavailable(ax, ax.get_title(), runs.get(method))
+        else:
             method, path = next(iter(found.items()))
             stored = runs[method]
             assert stored is not None

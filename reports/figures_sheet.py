@@ -8,8 +8,8 @@ import numpy as np
 
 from reports.curves import Runs, curve, key, widen
 from reports.figures_annulus import draw_lit
-from reports.figures_hole import draw_heights, draw_relief, draw_states
-from reports.maps import state_handles
+from reports.figures_hole import draw_heights, draw_relief
+from reports.maps import draw_states, state_handles
 from reports.stored import Columns, Stored
 from reports.style import STRETCH_MAJOR, STRETCH_MINOR
 

@@ -50,9 +50,13 @@ def zone_map(
     return key
 
 
-def state_map(ax: Axes, stored: Stored) -> None:
-    """Draw slack, wrinkled and tense zones on the deformed sheet."""
+def draw_states(ax: Axes, stored: Stored | None, title: str) -> None:
+    """Map of slack, wrinkled and tense zones on the deformed sheet."""
+    if stored is None or not stored.drawable:
+        unavailable(ax, title, stored)
+        return
     show_zones(ax, stored, state_rgb(stored), "deformed")
+    ax.set_title(title)
 
 
 def height_map(ax: Axes, stored: Stored) -> ScalarMappable:

@@ -89,7 +89,7 @@ def _figures(runs: dict[str, Stored | None]) -> list[Block]:
             "Lit views of the twisted annulus by the plate and by the relaxed membrane, with their "
             "membrane states.",
             partial(figures.deformed, runs=runs),
-            4.9,
+            5.5,
             vector=False,
         ),
         Drawing(
@@ -203,8 +203,8 @@ def _order_table(plain: list[Stored]) -> Table:
 
 
 def observed_order(spacing: np.ndarray, error: np.ndarray, k: int) -> float:
-    """Order of accuracy from mesh k - 1 to mesh k; NaN for the first, and where an error is not positive."""
-    if k == 0 or not (error[k] > 0.0 and error[k - 1] > 0.0):
+    """Order of accuracy from mesh k - 1 to mesh k; NaN for the first, equal meshes and errors of zero."""
+    if k == 0 or not (error[k] > 0.0 and error[k - 1] > 0.0) or spacing[k] == spacing[k - 1]:
         return float("nan")
     return float(np.log(error[k - 1] / error[k]) / np.log(spacing[k - 1] / spacing[k]))
 

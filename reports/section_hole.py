@@ -88,12 +88,12 @@ def difference_table(runs: Mapping[str, Stored]) -> Table | None:
 def _deformed(name: str, title: str, runs: Mapping[str, Stored], pull: str) -> Drawing:
     plate = runs.get("koiter")
     factor = figures.relief_factor(plate) if plate is not None and plate.drawable else 1.0
+    light = f", slopes {factor:.0f} times steeper for the light only" if factor > 1.5 else ""
     return Drawing(
         name,
         title,
-        f"Deformed sheet at a pull of {pull} %. The plate: (a) lit from the upper left, slopes "
-        f"{factor:.0f} times steeper for the light only; (b) height; (c) state of its membrane stress. (d) "
-        "The relaxed membrane.",
+        f"Deformed sheet at a pull of {pull} %. The plate: (a) lit from the upper left{light}; "
+        "(b) height; (c) state of its membrane stress. (d) The relaxed membrane.",
         "The pulled sheet with a hole seen from above: wrinkles in relief, heights, and zone states of "
         "both models.",
         partial(figures.deformed, runs=runs),

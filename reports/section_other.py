@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from reports.content import Block, Section, Table, Text
+from reports.plan import LADDER, SCENES
 from reports.stored import Stored
 from reports.style import number, whole
-
-RANK = {"converged": 0, "interrupted": 3}  # everything that did not converge is worse than what did
+from reports.tables import shortfalls
 
 
 def summary(results: Mapping[str, Stored], full: bool) -> Section:
@@ -19,24 +19,33 @@ def summary(results: Mapping[str, Stored], full: bool) -> Section:
     runs = list(results.values())
     seconds = sum(s.value("seconds") for s in runs if not math.isnan(s.value("seconds")))
     good = sum(s.converged for s in runs)
-    worst = [s for s in runs if not s.converged]
+    worst = [s for s in runs if shortfalls(s)]
     text = (
         f"{'Full' if full else 'Quick'} report: {len(runs)} runs of {len({s.run.scene for s in runs})} "
         f"scenes, {good} of them converged; {number(seconds, 3)} s of solving."
     )
     blocks: list[Block] = [Text(text), _scene_table(runs)]
     if worst:
-        items = tuple(f"{s.run.name}: {s.status.replace('_', ' ')}. {s.message}" for s in worst)
-        blocks.append(Text("Runs that did not converge, in their own words:", items))
+        blocks.append(Text("Runs that fell short, in their own words:", _grouped(worst)))
     else:
         blocks.append(Text("Every run converged."))
     return Section("summary", "Summary", blocks)
 
 
+def _grouped(runs: Sequence[Stored]) -> tuple[str, ...]:
+    """The shortfalls of some runs, equal ones together."""
+    names: dict[str, list[str]] = {}
+    for run in runs:
+        names.setdefault(" ".join(shortfalls(run)), []).append(run.run.name)
+    return tuple(f"{', '.join(group)}. {reason}" for reason, group in names.items())
+
+
 def _scene_table(runs: Sequence[Stored]) -> Table:
     rows = []
-    for scene in dict.fromkeys(s.run.scene for s in runs):
+    for scene in (*SCENES, *LADDER):
         mine = [s for s in runs if s.run.scene == scene]
+        if not mine:
+            continue
         title = next((str(s.scene["title"]) for s in mine if "title" in s.scene), scene)
         failed = sorted({s.status.replace("_", " ") for s in mine if not s.converged})
         residuals = [s.value("residual") for s in mine if not math.isnan(s.value("residual"))]

@@ -41,7 +41,7 @@ def stretch(results: Mapping[str, Stored]) -> Section:
     mine = [s for s in results.values() if s.run.scene == "stretch"]
     runs = {s.method: s for s in mine}
     drawing = Drawing(
-        "stretch",
+        "stretch-shapes",
         "First stretch",
         "The plate after the pull: (a) in relief (slopes exaggerated for the light), (b) height; (c) "
         "states of the relaxed membrane; (d) height and (e) second stretch across the middle.",

@@ -91,7 +91,7 @@ def number(value: float, digits: int = 3) -> str:
     if -3 <= size < 6:
         text = f"{value:.{max(digits - 1 - size, 0)}f}"
     else:
-        text = f"{value:.{digits - 1}e}".replace("e-0", "e-").replace("e+0", "e")
+        text = f"{value:.{digits - 1}e}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
     return text.replace("-", "−", 1) if text.startswith("-") else text
 
 

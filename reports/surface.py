@@ -153,9 +153,16 @@ def _fill(
 
 def _average(rgb: np.ndarray, alpha: np.ndarray) -> np.ndarray:
     """Mean over the 2 x 2 samples of each pixel, colours weighted by coverage."""
-    n = SUPERSAMPLING
-    rows, columns = alpha.shape[0] // n, alpha.shape[1] // n
-    cover = alpha.reshape(rows, n, columns, n).mean(axis=(1, 3))
-    colour = (rgb * alpha[..., None]).reshape(rows, n, columns, n, 3).mean(axis=(1, 3))
-    colour = colour / np.where(cover > 0.0, cover, 1.0)[..., None]
-    return np.concatenate([colour, cover[..., None]], axis=-1)
+
+    def total(samples: np.ndarray) -> np.ndarray:
+        return sum(
+            (
+                samples[i::SUPERSAMPLING, j::SUPERSAMPLING]
+                for i, j in np.ndindex(SUPERSAMPLING, SUPERSAMPLING)
+            ),
+            np.zeros(1),
+        )
+
+    covered = total(alpha)
+    colour = total(rgb * alpha[..., None]) / np.where(covered > 0.0, covered, 1.0)[..., None]
+    return np.concatenate([colour, covered[..., None] / SUPERSAMPLING**2], axis=-1)

@@ -11,6 +11,8 @@ from reports.content import Table, Text
 from reports.stored import Columns, Stored
 from reports.style import method_name, number, whole
 
+COARSER = 0.9  # of the planned nodes; a mesh has them within 5 %
+
 
 def run_table(stored: Sequence[Stored], caption: str) -> Table:
     """How each run went: status, residual, steps, time, resolution, hourglass, stability."""
@@ -71,17 +73,31 @@ def warnings_of(run: Stored) -> list[str]:
     return [str(w) for w in warnings] if isinstance(warnings, list) else []
 
 
-def remarks(stored: Iterable[Stored]) -> Text | None:
-    """What a reader must know of these runs: why one did not converge, and every warning; None if nothing."""
+def remarks(stored: Iterable[Stored], heading: str = "Remarks of the solvers:") -> Text | None:
+    """What a reader must know of these runs, equal remarks together; None if there is nothing.
+
+    Why a run did not converge, whether it ended on a coarser mesh than planned, and every warning.
+    """
     items: dict[str, list[str]] = {}
     for run in stored:
         name = f"{_label(run)}, {whole(run.value('nodes'))} nodes" if "nodes" in run.result else _label(run)
-        if not run.converged:
-            items.setdefault(f"{run.status.replace('_', ' ')}. {run.message}", []).append(name)
-        for warning in warnings_of(run):
-            items.setdefault(f"Warning: {warning}", []).append(name)
-    texts = tuple(f"{'; '.join(names)}: {text}" for text, names in items.items())
-    return Text("Remarks of the solvers:", texts) if texts else None
+        for remark in (*shortfalls(run), *(f"Warning: {warning}" for warning in warnings_of(run))):
+            items.setdefault(remark, []).append(f"{run.run.scene}: {name}")
+    texts = tuple(f"{'; '.join(names)}. {text}" for text, names in items.items())
+    return Text(heading, texts) if texts else None
+
+
+def shortfalls(run: Stored) -> list[str]:
+    """Why a run did not converge, and whether it ended on a coarser mesh than planned."""
+    found = []
+    if not run.converged:
+        status = run.status.replace("_", " ")
+        found.append(run.message if run.message.lower().startswith(status) else f"{status}: {run.message}")
+    mesh = run.scene.get("mesh")
+    planned = float(mesh.get("nodes", 0)) if isinstance(mesh, Mapping) else 0.0
+    if run.value("nodes") < COARSER * planned:
+        found.append(f"It ended on a coarser mesh than the {whole(planned)} nodes planned.")
+    return found
 
 
 def at_radii(path: Columns, radii: np.ndarray, field: str) -> np.ndarray:
@@ -163,8 +179,9 @@ def wrinkle_table(stored: Sequence[Stored], caption: str) -> Table | None:
                     str(name).replace("_", " "),
                     *(
                         number(_float(measures.get(key)), 3)
-                        for key in ("amplitude_mm", "rms_mm", "wavelength_mm", "half_waves")
+                        for key in ("amplitude_mm", "rms_mm", "wavelength_mm")
                     ),
+                    whole(_float(measures.get("half_waves"))),
                 )
             )
     columns = (

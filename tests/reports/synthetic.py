@@ -25,10 +25,18 @@ WRINKLED_METHODS = ("koiter",)
 
 
 def write_synthetic(
-    folder: Path, run: ReportRun, nodes: int, status: Status = Status.CONVERGED, title: str | None = None
+    folder: Path,
+    run: ReportRun,
+    nodes: int,
+    status: Status = Status.CONVERGED,
+    title: str | None = None,
+    planned: int | None = None,
 ) -> None:
-    """Write the result folder of one planned run, made from a formula."""
-    overrides = dict(run.overrides) | ({"title": title} if title else {})
+    """Write the result folder of one planned run, made from a formula.
+
+    planned : node count that the scene asks for, if the run ended on a coarser mesh.
+    """
+    overrides = dict(run.overrides) | {"mesh.nodes": planned or nodes} | ({"title": title} if title else {})
     scene = load_scene(run.scene, overrides)
     grid = make_grid(scene, nodes)
     sheet = Sheet(scene.material.young_MPa, scene.material.poisson, scene.sheet.thickness_mm)
