@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cases.lattice import node_lattice, zone_centres, zone_lattice
+from cases.lattice import Places, node_lattice, zone_centres, zone_lattice
 from cases.probe import (
     ProbeError,
     line_columns,
@@ -174,6 +174,15 @@ def test_the_state_is_that_of_the_nearest_zone() -> None:
     assert set(columns["state"][columns["x_mm"] > edge[1]]) == {2}
 
 
+def test_the_nearest_of_a_closed_mesh_goes_round() -> None:
+    lattice = zone_lattice(MAKERS["annulus"](900))
+    rows = len(lattice.positions)
+    number = np.arange(rows)[:, None] + np.zeros(lattice.positions.shape[1])
+    index = np.array([[-0.4, 0.0], [rows - 0.6, 0.0], [rows - 0.4, 0.0], [-0.6, 0.0]])
+    places = Places(index, np.zeros((4, 2, 2)), np.zeros(4))
+    assert lattice.nearest(number, places).tolist() == [0, rows - 1, 0, rows - 1]
+
+
 def test_the_radius_of_an_annulus_has_one_row_per_ring() -> None:
     grid = MAKERS["annulus"](2000)
     centres = zone_centres(grid)
@@ -181,6 +190,7 @@ def test_the_radius_of_an_annulus_has_one_row_per_ring() -> None:
     zone = uniform_zone(1.0 + radius / 1000.0 + 0.01 * np.cos(2.0 * angle))
     zone = replace(zone, state=np.where(radius < 100.0, 1, 2).astype(np.int8))
     zone.state[0, -1] = 0
+    zone.state[0, 0] = 2
     columns = ring_columns(grid, zone)
     assert list(columns) == ["R_mm", "stretch_major", "stretch_minor", "stretch_major_spread", "state"]
     assert len(columns["R_mm"]) == grid.nj - 1
@@ -236,12 +246,15 @@ def test_nodes_per_wrinkle_is_the_worst_of_all_sections() -> None:
     assert nodes_per_wrinkle(sections[:1], SHEET.thickness_mm) == pytest.approx(20.0 / spacing, rel=1e-3)
 
 
-def test_small_and_fine_ripples_do_not_count_for_nodes_per_wrinkle() -> None:
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_small_and_fine_ripples_do_not_count_for_nodes_per_wrinkle(side: float) -> None:
     """Waves of 4 mm at 10 % of the amplitude of those of 20 mm: below the envelope's 20 %."""
     grid = meshes.rectangle(100.0, 40.0, 16000)
     solution = made_solution(
         grid,
-        lambda x, y: np.where(x < 0.0, np.sin(2.0 * np.pi * x / 20.0), 0.1 * np.sin(2.0 * np.pi * x / 4.0)),
+        lambda x, y: np.where(
+            side * x < 0.0, np.sin(2.0 * np.pi * x / 20.0), 0.1 * np.sin(2.0 * np.pi * x / 4.0)
+        ),
     )
     section = sample_section(grid, solution.r, straight((-50.0, 0.0), (50.0, 0.0)))
     spacing = 100.0 / (grid.ni - 1)
