@@ -32,7 +32,7 @@ DEGREE = 20
 # change of log R and of the line derivatives over one element, coarsest first
 VARIATIONS = (0.4, 0.2, 0.1)
 MAX_ELEMENTS = 200  # beyond this a solution takes seconds
-RESOLVED = 0.1  # share of the last Chebyshev coefficients, over the tolerance
+RESOLVED = 0.01  # share of the last Chebyshev coefficients of the slopes, over the tolerance
 
 
 @dataclass(frozen=True)
@@ -140,16 +140,16 @@ def _switch(solved: Collocated, poisson: float) -> Callable[[Array], Array]:
 
 
 def _unresolved(solved: Collocated) -> float:
-    """Return the largest share of the last Chebyshev coefficients in the fields of any element."""
-    size = np.abs(solved.elements.coefficients(solved.field))
+    """Return the largest share of the last Chebyshev coefficients in the slopes of any element."""
+    size = np.abs(solved.elements.coefficients(solved.slope))
     return float(np.max(size[:, -2:]) / np.max(size))
 
 
 def collocate(problem: ScaledAnnulus, tolerance: float) -> ScaledSolution:
     """Solve the annulus by collocation, on finer elements if the fields need them.
 
-    tolerance : largest last change of a band limit, and tenfold the largest share of the last Chebyshev
-        coefficients.
+    tolerance : largest last change of a band limit, and a hundred times the largest share of the last Chebyshev
+        coefficients of the slopes.
 
     Raises NoAnnulusSolution for slack zones and where Newton's method, the limits or the resolution fail.
     """

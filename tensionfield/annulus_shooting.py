@@ -99,6 +99,8 @@ def shoot(problem: ScaledAnnulus, unknown: Array, tolerance: float) -> list[Band
     momenta = Momenta(problem.poisson, float(unknown[1]), float(unknown[2]))
     radius, y = problem.inner, np.array([problem.r_inner, unknown[0], problem.twist, problem.lift, 0.0])
     state = _first_state(momenta, radius, y)
+    load = float(np.max(np.abs(unknown)))  # the size of the stresses, small under small loads
+    scale = np.array([1.0, load, 1.0, 1.0, load**2])
     bands: list[Band] = []
     while radius < 1.0:
         result = solve_ivp(
@@ -107,7 +109,7 @@ def shoot(problem: ScaledAnnulus, unknown: Array, tolerance: float) -> list[Band
             y,
             method="DOP853",
             rtol=tolerance,
-            atol=1e-2 * tolerance,
+            atol=1e-2 * tolerance * scale,
             events=_events(momenta, state),
             dense_output=True,
             max_step=(1.0 - problem.inner) / 12.0,
