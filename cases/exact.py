@@ -53,8 +53,8 @@ def solve_exact(scene: Scene, grid: Grid) -> Solution:
     affine = homogeneous_map(scene)
     if affine is None:
         raise MethodError(
-            f"The scene {scene.name} has no closed form: it is no annulus held at both circles, and its edges leave"
-            " no homogeneous state."
+            f"The scene {scene.name} has no closed form: it is no annulus held at both circles, and its"
+            " edges leave no homogeneous state."
         )
     return _homogeneous(scene, grid, affine)
 
