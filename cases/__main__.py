@@ -67,10 +67,17 @@ def _report(arguments: argparse.Namespace) -> int:
     from cases.commands import out_folder, words_of
     from cases.progress import display
     from reports.command import report
+    from reports.plan import report_runs
 
     scenes = None if arguments.scenes is None else words_of(arguments.scenes, "--scenes")
+    try:
+        report_runs(arguments.full, scenes)
+    except ValueError as unknown:
+        raise Refused(f"--scenes: {unknown}") from None
     with display(arguments.quiet) as progress:
-        return report(out_folder(arguments.out), full=arguments.full, scenes=scenes, progress=progress)
+        return report(
+            out_folder(arguments.out, "report"), full=arguments.full, scenes=scenes, progress=progress
+        )
 
 
 def _foreseen(error: Exception) -> list[str] | None:

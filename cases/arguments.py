@@ -122,6 +122,10 @@ def _compare(parser: Parser) -> Parser:
     )
     _numbers(parser)
     parser.add_argument("--out", metavar="DIR", help="folder (default: runs/SCENE-compare)")
+    parser.add_argument(
+        "--resume", action="store_true", help="go on from checkpoints, past a step or time limit"
+    )
+    parser.add_argument("--force", action="store_true", help="replace other results in the folder")
     parser.add_argument("--quiet", action="store_true", help="no progress display")
     return parser
 
@@ -131,7 +135,7 @@ def _report(parser: Parser) -> Parser:
     size.add_argument("--quick", action="store_true", help="at most 10 minutes on two cores (default)")
     size.add_argument("--full", action="store_true", help="the paper's node counts: at most 60 minutes")
     parser.add_argument("--scenes", metavar="A,B,..", help="only these scenes, separated by commas")
-    parser.add_argument("--out", metavar="DIR", default="report", help="folder (default: report)")
+    parser.add_argument("--out", metavar="DIR", help="folder (default: report)")
     parser.add_argument("--quiet", action="store_true", help="no progress display")
     return parser
 

@@ -51,7 +51,8 @@ def run_scene(arguments: argparse.Namespace) -> int:
         return _not_yet("--accuracy; give the number of nodes by --nodes")
     request = read_request(arguments, [arguments.method])
     method = request.methods[0]
-    out = out_folder(arguments.out or f"runs/{request.scene.name}-{method}")
+    _check_fit(request.scene, method)
+    out = out_folder(arguments.out, f"runs/{request.scene.name}-{method}")
     from cases.progress import display
     from cases.runner import run
 
@@ -81,6 +82,16 @@ def run_scene(arguments: argparse.Namespace) -> int:
     return code
 
 
+def _check_fit(scene: Scene, method: str) -> None:
+    """Raise SceneError for a closed form that does not exist, before a folder is made for it."""
+    from cases.methods import METHODS, methods_of
+
+    fitting = methods_of(scene)
+    if method in METHODS and method not in fitting:
+        message = f"the scene {scene.name} has no closed form; there are {one_of(fitting)}"
+        raise SceneError([Problem("", "--method", method, message)])
+
+
 def compare_methods(arguments: argparse.Namespace) -> int:
     """Solve one scene by several methods and write their differences."""
     words = None if arguments.methods is None else words_of(arguments.methods, "--methods")
@@ -90,9 +101,9 @@ def compare_methods(arguments: argparse.Namespace) -> int:
     from cases.progress import display
 
     methods = request.methods or methods_of(request.scene)
-    out = out_folder(arguments.out or f"runs/{request.scene.name}-compare")
+    out = out_folder(arguments.out, f"runs/{request.scene.name}-compare")
     with display(arguments.quiet) as progress:
-        compare(
+        found = compare(
             request.scene,
             methods,
             nodes=request.nodes,
@@ -100,10 +111,22 @@ def compare_methods(arguments: argparse.Namespace) -> int:
             seed=request.seed,
             threads=request.threads,
             tolerance=request.tolerance,
+            resume=arguments.resume,
+            force=arguments.force,
             progress=progress,
         )
+    for name, why in found.refused.items():
+        print(f"wrinkle: warning: {name} was left out: {why}", file=sys.stderr)
+    table = found.table.set_index("method").astype(object)
+    print(table.where(table.notna(), "-").T.to_string(float_format=_short))
+    print(f"\ndifferences from {found.reference}")
+    print(found.differences.drop(columns="reference").to_string(index=False, float_format=_short, na_rep="-"))
     print(out)
     return 0
+
+
+def _short(number: float) -> str:
+    return f"{number:.5g}"
 
 
 def doctor(arguments: argparse.Namespace) -> int:
@@ -183,8 +206,9 @@ def words_of(text: str, option: str) -> list[str]:
     return words
 
 
-def out_folder(text: str) -> Path:
+def out_folder(given: str | None, default: str) -> Path:
     """The folder for results. Raises SceneError for a path that cannot be one."""
+    text = default if given is None else given
     path = Path(text)
     try:
         blocking = next(
