@@ -76,10 +76,10 @@ def twice_work(v, old, new):
     return total
 
 
-def accelerate(inverse_mass, f):
-    """m^-1 f of every node. inverse_mass : (6, ni, nj). f : (3, ni, nj)."""
-    xx, yy, zz, xy, xz, yz = inverse_mass
-    x, y, z = f
+def times(mass, v):
+    """Product of every node's symmetric 3 x 3 matrix and vector. mass : (6, ni, nj). v : (3, ni, nj)."""
+    xx, yy, zz, xy, xz, yz = mass
+    x, y, z = v
     return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
 
 
@@ -108,12 +108,12 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
         power = step(*flat[:4], viscosity, cap, 0.5 if since_restart == 0 else 1.0)
         since_restart += 1
         if name == "kinetic-published" and power < 0.0:
-            r -= 1.5 * v - 0.5 * accelerate(inverse_mass, f)
+            r -= 1.5 * v - 0.5 * times(inverse_mass, f)
             v[:] = 0.0
             restarts, since_restart = restarts + 1, 0
         elif name == "kinetic" and power < 0.0 and since_restart > APART:
             r -= v
-            v[:] = 0.5 * accelerate(inverse_mass, f)
+            v[:] = 0.5 * times(inverse_mass, f)
             r += v
             restarts, since_restart = restarts + 1, 1
     return restarts, viscosity, since_restart

@@ -72,7 +72,9 @@ class Force:
         return self.row_energy.sum(axis=1)
 
 
-def build_force(grid: Grid, sheet: Sheet, model: Model, supports: Mapping[str, str], threads: int = 1) -> Force:
+def build_force(
+    grid: Grid, sheet: Sheet, model: Model, supports: Mapping[str, str], threads: int = 1
+) -> Force:
     """Return the force of a model on a mesh, specialised to its effects.
 
     supports : edge name -> "free", "pinned" or "clamped". threads : bands of rows that run side by side.

@@ -20,11 +20,22 @@ class Level:
 
     def __init__(self, problem: Problem, model: Model, grid: Grid, threads: int) -> None:
         self.problem = problem
+        self.model = model
         self.grid = grid
         self.fixed = fixed_nodes(grid, problem.edges)
         supports = {name: condition.support for name, condition in problem.edges.items()}
         self.force: Force = build_force(grid, problem.sheet, model, supports, threads)
         self.weight = ~self.fixed * (grid.length_mm / np.sqrt(grid.node_area))
+
+    @property
+    def force_unit(self) -> float:
+        """Y h L, N: the engine's unit of force."""
+        return self.problem.sheet.young_MPa * self.problem.sheet.thickness_mm * self.grid.length_mm
+
+    @property
+    def energy_unit(self) -> float:
+        """Y h L^2, N mm: the engine's unit of energy."""
+        return self.force_unit * self.grid.length_mm
 
     @property
     def flat(self) -> np.ndarray:
@@ -50,4 +61,5 @@ class Level:
         return self.scaled(self._perturbed(carried))
 
     def _perturbed(self, r: np.ndarray) -> np.ndarray:
-        return perturb(r, self.grid, self.fixed, self.problem.perturbation, self.problem.seed)
+        amplitude = self.problem.perturbation if self.model.buckles else 0.0
+        return perturb(r, self.grid, self.fixed, amplitude, self.problem.seed)

@@ -24,7 +24,9 @@ SAFETY = 1.4  # over the bound m >= k / 4 of central differences; covers the gro
 SLOPE = 0.05  # rotations up to this between two updates are covered
 TURN = 1.0
 FLOOR = 0.03  # least stiffness / Y counted on in any direction: a slack zone must not let its nodes fly
-MARGIN = 2e-2  # strain within which a wrinkled zone may become tense, or a slack one taut, before the next update
+MARGIN = (
+    2e-2  # strain within which a wrinkled zone may become tense, or a slack one taut, before the next update
+)
 
 
 @compiled
@@ -66,7 +68,11 @@ def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, sti
             a, b, c = g1x * g1x + g1y * g1y, g2x * g2x + g2y * g2y, g1x * g2x + g1y * g2y
             weight = 2.0 * zone[4, i, j] * _principal(a, b, c)[0]
             if relaxed and lateral + 2.0 * change + margin < 0.0:
-                px, py, pz = f[0, 0] * cosine + f[0, 1] * sine, f[1, 0] * cosine + f[1, 1] * sine, f[2, 0] * cosine + f[2, 1] * sine
+                px, py, pz = (
+                    f[0, 0] * cosine + f[0, 1] * sine,
+                    f[1, 0] * cosine + f[1, 1] * sine,
+                    f[2, 0] * cosine + f[2, 1] * sine,
+                )
                 shear = max(largest - 1.0, 0.0) / (largest - smallest + 1e-300) * largest
                 along, across = weight * largest, weight * (tension + shear)
                 size = np.sqrt(px * px + py * py + pz * pz)
@@ -110,11 +116,27 @@ def _node_bending_stiffness(r, node, closed, stiffness):
         for j in range(columns):
             south, north = max(j - 1, 0), min(j + 1, columns - 1)
             c2 = 0.5 if 0 < j < columns - 1 else 1.0
-            t1x, t1y, t1z = r[0, east, j] - r[0, west, j], r[1, east, j] - r[1, west, j], r[2, east, j] - r[2, west, j]
-            t2x, t2y, t2z = r[0, i, north] - r[0, i, south], r[1, i, north] - r[1, i, south], r[2, i, north] - r[2, i, south]
+            t1x, t1y, t1z = (
+                r[0, east, j] - r[0, west, j],
+                r[1, east, j] - r[1, west, j],
+                r[2, east, j] - r[2, west, j],
+            )
+            t2x, t2y, t2z = (
+                r[0, i, north] - r[0, i, south],
+                r[1, i, north] - r[1, i, south],
+                r[2, i, north] - r[2, i, south],
+            )
             x, y, z = 2.0 * r[0, i, j], 2.0 * r[1, i, j], 2.0 * r[2, i, j]
-            s1 = _length(r[0, east, j] - x + r[0, west, j], r[1, east, j] - y + r[1, west, j], r[2, east, j] - z + r[2, west, j])
-            s2 = _length(r[0, i, north] - x + r[0, i, south], r[1, i, north] - y + r[1, i, south], r[2, i, north] - z + r[2, i, south])
+            s1 = _length(
+                r[0, east, j] - x + r[0, west, j],
+                r[1, east, j] - y + r[1, west, j],
+                r[2, east, j] - z + r[2, west, j],
+            )
+            s2 = _length(
+                r[0, i, north] - x + r[0, i, south],
+                r[1, i, north] - y + r[1, i, south],
+                r[2, i, north] - z + r[2, i, south],
+            )
             w = _length(t1y * t2z - t1z * t2y, t1z * t2x - t1x * t2z, t1x * t2y - t1y * t2x) + 1e-300
             across1, across2 = _length(t2x, t2y, t2z) / w, _length(t1x, t1y, t1z) / w
             k11, k12, k22 = abs(node[0, i, j]), abs(node[1, i, j]), abs(node[2, i, j])
@@ -137,8 +159,16 @@ def _zone_bending_stiffness(r, node, c33, closed, stiffness):
     for i in range(c33.shape[0]):
         k = (i + 1) % rows
         for j in range(columns - 1):
-            d1x, d1y, d1z = r[0, k, j + 1] - r[0, i, j], r[1, k, j + 1] - r[1, i, j], r[2, k, j + 1] - r[2, i, j]
-            d2x, d2y, d2z = r[0, i, j + 1] - r[0, k, j], r[1, i, j + 1] - r[1, k, j], r[2, i, j + 1] - r[2, k, j]
+            d1x, d1y, d1z = (
+                r[0, k, j + 1] - r[0, i, j],
+                r[1, k, j + 1] - r[1, i, j],
+                r[2, k, j + 1] - r[2, i, j],
+            )
+            d2x, d2y, d2z = (
+                r[0, i, j + 1] - r[0, k, j],
+                r[1, i, j + 1] - r[1, k, j],
+                r[2, i, j + 1] - r[2, k, j],
+            )
             sx = r[0, i, j] + r[0, k, j + 1] - r[0, k, j] - r[0, i, j + 1]
             sy = r[1, i, j] + r[1, k, j + 1] - r[1, k, j] - r[1, i, j + 1]
             sz = r[2, i, j] + r[2, k, j + 1] - r[2, k, j] - r[2, i, j + 1]
@@ -146,7 +176,9 @@ def _zone_bending_stiffness(r, node, c33, closed, stiffness):
             s, one, two = _length(sx, sy, sz) / w, _length(d1x, d1y, d1z), _length(d2x, d2y, d2z)
             mixed = 0.0
             for row, column in ((i, j), (k, j), (k, j + 1), (i, j + 1)):
-                mixed += 0.25 * (abs(node[3, row, column]) + abs(node[4, row, column]) + abs(node[5, row, column]))
+                mixed += 0.25 * (
+                    abs(node[3, row, column]) + abs(node[4, row, column]) + abs(node[5, row, column])
+                )
             ac, bd = 1.0 + s * two, 1.0 + s * one
             total = (c33[i, j] + mixed) * 2.0 * (ac + bd)
             stiffness[i, j] += ac * total
@@ -155,7 +187,9 @@ def _zone_bending_stiffness(r, node, c33, closed, stiffness):
             stiffness[i, j + 1] += bd * total
 
 
-def nodal_masses(force: Force, r: np.ndarray, ahead: np.ndarray, relaxed: bool, kind: str = "nodal") -> np.ndarray:
+def nodal_masses(
+    force: Force, r: np.ndarray, ahead: np.ndarray, relaxed: bool, kind: str = "nodal"
+) -> np.ndarray:
     """Masses that make a unit time step stable at the state r.
 
     r, ahead : (3, ni, nj) float64, scaled positions now and as they will be at the next update if nothing slows them.

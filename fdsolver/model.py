@@ -22,7 +22,8 @@ class Model:
     law: Callable[[float], NamedTuple]
     bending: bool
     relaxed: bool = False
+    buckles: bool = False
 
 
-KOITER = Model("koiter", StVenantKirchhoff, bending=True)
+KOITER = Model("koiter", StVenantKirchhoff, bending=True, buckles=True)
 MEMBRANE = Model("membrane", StVenantKirchhoff, bending=False)

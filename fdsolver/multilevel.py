@@ -11,12 +11,14 @@ from typing import Any, Protocol
 import numba
 import numpy as np
 
+from fdsolver.grid import Grid
 from fdsolver.level import Level
 from fdsolver.model import Model
 from fdsolver.problem import Problem
-from fdsolver.relax import Progress, Settings, State, begin, relax
+from fdsolver.relax import Progress, Settings, State, begin
 from fdsolver.result import Solution, Status
 from fdsolver.solution import assemble
+from fdsolver.stability import relax_to_stable
 from fdsolver.warm import compile_kernels
 
 COARSEST = 1000  # nodes: below this a coarser level saves nothing
@@ -39,7 +41,7 @@ class Run:
     """Where a nested run stands; with `state` it is all that a checkpoint holds.
 
     level : index of the present mesh, coarsest first. done : summaries of the finished levels. history : rows
-    (level, step, energy, kinetic, residual, restart) of the finished levels, scaled.
+    (level, step, energy, kinetic, residual, restart) of the finished levels, energies in N mm.
     """
 
     state: State
@@ -59,7 +61,9 @@ class Run:
     @classmethod
     def from_arrays(cls, saved: Mapping[str, Any]) -> Run:
         """The run that `as_arrays` gave."""
-        state = {name.removeprefix("state_"): value for name, value in saved.items() if name.startswith("state_")}
+        state = {
+            name.removeprefix("state_"): value for name, value in saved.items() if name.startswith("state_")
+        }
         return cls(
             state=State.from_arrays(state),
             level=int(saved["level"]),
@@ -69,17 +73,19 @@ class Run:
             cpu_seconds=float(saved["cpu_seconds"]),
         )
 
-    def finish_level(self, nodes: int) -> None:
+    def finish_level(self, level: Level) -> None:
         """Move the state's history and summary over to the finished levels."""
         state = self.state
-        self.history += [(float(self.level), *row) for row in state.history]
+        unit = level.energy_unit
+        self.history += [(self.level, step, e * unit, k * unit, *rest) for step, e, k, *rest in state.history]
         self.done.append(
             {
-                "nodes": nodes,
+                "nodes": level.grid.nodes,
+                "thickness_mm": level.problem.sheet.thickness_mm,
                 "steps": state.step,
                 "force_evaluations": state.evaluations,
                 "residual": state.residual,
-                "energy": state.history[-1][1],
+                "energy": state.history[-1][1] * level.energy_unit,
                 "seconds": state.seconds,
             }
         )
@@ -114,24 +120,38 @@ def solve(
     clock = _Clock()
     saved = checkpoint.load() if checkpoint is not None else None
     run = Run.from_arrays(saved) if saved is not None else None
-    level = Level(problem, model, grids[run.level if run else 0], settings.threads)
+    at = run.level if run is not None else 0
+    level = Level(_on_mesh(problem, grids[at], settings), model, grids[at], settings.threads)
     if run is None:
         run = Run(begin(level.start()))
-    status = Status.CONVERGED
     while True:
         clock.charge(run)
         limits = replace(settings, max_seconds=settings.max_seconds - run.seconds + run.state.seconds)
         watch = _watcher(run, level, len(grids), settings, clock, progress, checkpoint)
-        status = relax(level.force, ~level.fixed, level.weight, run.state, limits, watch)
+        status, stability = relax_to_stable(level, run.state, limits, watch)
         clock.charge(run)
         if status is Status.INTERRUPTED and checkpoint is not None:
             checkpoint.save(run.as_arrays())
-        run.finish_level(level.grid.nodes)
-        if run.level + 1 == len(grids) or status in (Status.INTERRUPTED, Status.TIME_LIMIT, Status.NOT_FINITE):
+        run.finish_level(level)
+        if run.level + 1 == len(grids) or status in (
+            Status.INTERRUPTED,
+            Status.TIME_LIMIT,
+            Status.NOT_FINITE,
+        ):
             break
-        coarse, level = level, Level(problem, model, grids[run.level + 1], settings.threads)
-        run.state, run.level = begin(level.start_from(coarse, run.state.r)), run.level + 1
-    return assemble(model, settings, level, status, run, seconds_compile)
+        run.level += 1
+        grid = grids[run.level]
+        coarse, level = level, Level(_on_mesh(problem, grid, settings), model, grid, settings.threads)
+        run.state = begin(level.start_from(coarse, run.state.r))
+    return assemble(model, settings, level, status, stability, run, seconds_compile)
+
+
+def _on_mesh(problem: Problem, grid: Grid, settings: Settings) -> Problem:
+    """The problem as it is solved on one of the nested meshes (see `Settings.thicken`)."""
+    if not settings.thicken:
+        return problem
+    thickness = problem.sheet.thickness_mm * problem.grid.nodes / grid.nodes
+    return replace(problem, sheet=replace(problem.sheet, thickness_mm=thickness))
 
 
 class _Clock:

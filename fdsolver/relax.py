@@ -38,6 +38,8 @@ class Settings:
     damping : "adaptive" (viscous, from the Rayleigh quotient), "kinetic", "kinetic-published" [72-73] or "viscous".
     mass : "nodal", "isotropic" or "uniform" (see `mass.nodal_masses`).
     levels : number of nested meshes; None chooses.
+    thicken : coarser levels of a plate get a thickness in proportion to their zone area, so that wrinkles, whose
+        length goes with the square root of the thickness, keep their number of nodes. For sheets that fold sharply.
     max_steps, max_seconds : limits of the whole run. threads : bands of rows side by side.
     """
 
@@ -45,6 +47,7 @@ class Settings:
     damping: str = "adaptive"
     mass: str = "nodal"
     levels: int | None = None
+    thicken: bool = False
     max_steps: int = 400_000
     max_seconds: float = 1800.0
     threads: int = 1
@@ -87,6 +90,7 @@ class State:
     best_residual: float = np.inf
     best_step: int = 0
     stalls: int = 0
+    kicks: int = 0
     residual: float = np.inf
     seconds: float = 0.0
     history: list[tuple[float, ...]] = field(default_factory=list)  # step, energy, kinetic, residual, restart
@@ -124,6 +128,15 @@ def _largest_force(f, weight):
     return largest, squares
 
 
+def kick(state: State, displacement: np.ndarray) -> None:
+    """Displace `state` by (3, ni, nj), scaled, and let it start again from rest."""
+    state.r += displacement
+    state.v[:] = 0.0
+    state.since_restart, state.viscosity, state.total_energy = 0, 0.0, np.inf
+    state.best_residual, state.best_step, state.stalls = np.inf, state.step, 0
+    state.kicks += 1
+
+
 def residual(f: np.ndarray, weight: np.ndarray) -> float:
     """Largest |dE/dr| over free nodes and components / (Y h L_n); NaN if any force is not finite.
 
@@ -159,7 +172,18 @@ def relax(
             if (len(state.history) - 1) % MASS_EVERY == 0:
                 _set_masses(force, free, state, settings.mass)
             restarts, state.viscosity, state.since_restart = damping.advance(
-                force, state.r, state.v, state.mass, state.inverse_mass, f, old, rule, state.viscosity, state.since_restart, BLOCK, CAP
+                force,
+                state.r,
+                state.v,
+                state.mass,
+                state.inverse_mass,
+                f,
+                old,
+                rule,
+                state.viscosity,
+                state.since_restart,
+                BLOCK,
+                CAP,
             )
         except KeyboardInterrupt:
             state.r[:], state.v[:] = kept
@@ -178,6 +202,8 @@ def _look(force: Force, weight: np.ndarray, state: State, settings: Settings, f:
     nodes = weight.size
     kinetic = 0.5 * float(damping.twice_kinetic(state.v.reshape(3, nodes), state.mass.reshape(6, nodes)))
     state.residual = residual(f, weight)
+    if state.history and state.history[-1][0] == state.step:
+        state.history.pop()  # the same look again, after a kick or a resume
     state.history.append((float(state.step), energy, kinetic, state.residual, 0.0))
     finite = np.isfinite(energy) and np.isfinite(state.residual) and np.isfinite(kinetic)
     if not finite or energy > GROWTH * state.total_energy + 1e-15:
@@ -191,7 +217,11 @@ def _look(force: Force, weight: np.ndarray, state: State, settings: Settings, f:
     elif state.step - state.best_step > STALL_STEPS:
         if state.stalls == 2:
             return Status.STALLED
-        state.stalls, state.best_step, state.mass_factor = state.stalls + 1, state.step, state.mass_factor * HEAVIER
+        state.stalls, state.best_step, state.mass_factor = (
+            state.stalls + 1,
+            state.step,
+            state.mass_factor * HEAVIER,
+        )
     if state.step >= settings.max_steps:
         return Status.STEP_LIMIT
     return Status.TIME_LIMIT if state.seconds > settings.max_seconds else None

@@ -12,7 +12,9 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-PITCH = 16392  # of one slot; 64 bytes off a multiple of 4096, so that slots do not fall on the same cache lines
+PITCH = (
+    16392  # of one slot; 64 bytes off a multiple of 4096, so that slots do not fall on the same cache lines
+)
 FIRST = 8  # column of j = 0
 MOST_COLUMNS = PITCH - 2 * FIRST
 ONE = np.uint64(1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,21 +21,25 @@ HISTORY = ("level", "step", "energy", "kinetic", "residual", "restart")
 
 
 def assemble(
-    model: Model, settings: Settings, level: Level, status: Status, run: Run, seconds_compile: float
+    model: Model,
+    settings: Settings,
+    level: Level,
+    status: Status,
+    stability: Mapping[str, object],
+    run: Run,
+    seconds_compile: float,
 ) -> Solution:
     """The Solution of a finished (or stopped) run on its last mesh."""
     problem, grid = level.problem, level.grid
-    sheet, length = problem.sheet, grid.length_mm
-    force_unit = sheet.young_MPa * sheet.thickness_mm * length
+    sheet = problem.sheet
     f = np.zeros_like(run.state.r)
-    membrane, bending, control = (level.force(run.state.r, f) * force_unit * length).tolist()
+    membrane, bending, control = (level.force(run.state.r, f) * level.energy_unit).tolist()
     r = level.unscaled(run.state.r)
     fields = zone_fields(grid, sheet, r, relaxed=model.relaxed)
     hourglass = hourglass_share(grid, r)
     if status is Status.CONVERGED and max(share or 0.0 for share in hourglass.values()) > MOST_HOURGLASS:
         status = Status.HOURGLASS
     history = np.asarray(run.history, dtype=float).reshape(-1, len(HISTORY)).T.copy()
-    history[2:4] *= force_unit * length
     return Solution(
         method=model.name,
         status=status,
@@ -54,13 +59,13 @@ def assemble(
             "bending": bending,
             "hourglass": control,
         },
-        reactions=reactions(grid, problem.edges, r, np.moveaxis(f, 0, -1) * force_unit),
+        reactions=reactions(grid, problem.edges, r, np.moveaxis(f, 0, -1) * level.force_unit),
         zone=fields,
         history=dict(zip(HISTORY, history, strict=True)),
         hourglass=hourglass,
-        stability={"stable": None, "how": "not examined", "lowest": None},
+        stability=stability,
         warnings=tuple(_warnings(level, run, fields.stretch_major)),
-        levels=tuple({**row, "energy": row["energy"] * force_unit * length} for row in run.done),
+        levels=tuple(run.done),
         threads=settings.threads,
         seed=problem.seed,
     )

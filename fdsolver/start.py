@@ -29,7 +29,9 @@ def moved(u: np.ndarray, grow: np.ndarray, turn: np.ndarray, move: np.ndarray) -
     """
     radius = np.linalg.norm(u, axis=-1)
     x, y = np.moveaxis(u * (1.0 + grow / np.where(radius > 0.0, radius, 1.0))[..., None], -1, 0)
-    turned = np.stack([x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn), 0.0 * x], axis=-1)
+    turned = np.stack(
+        [x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn), 0.0 * x], axis=-1
+    )
     return turned + move
 
 
@@ -66,7 +68,9 @@ def _harmonic(grid: Grid, fixed: np.ndarray, given: np.ndarray) -> np.ndarray:
     rows = []
     for first, second in ((g1x, g2x), (g1y, g2y)):
         weights = root * np.stack([-first, -second, first, second])
-        rows.append(coo_matrix((weights.ravel(), (np.tile(zones, 4), corners.ravel())), (zones.size, number.size)))
+        rows.append(
+            coo_matrix((weights.ravel(), (np.tile(zones, 4), corners.ravel())), (zones.size, number.size))
+        )
     stiffness = sum((g.T @ g for g in rows), start=0.0 * (rows[0].T @ rows[0])).tocsc()
     # The zone gradient does not see a checkerboard; where supports leave it free this picks the smooth extension.
     free, values = ~fixed.ravel(), given.reshape(number.size, -1).copy()

@@ -25,5 +25,11 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     grid = Grid("rectangle", np.stack([x, y], axis=-1), False, edges, x[:, 0].copy(), y[0].copy(), 1.0)
     tiny = replace(problem, grid=grid, edges={})
     level = Level(tiny, model, grid, threads)
-    relax(level.force, ~level.fixed, level.weight, begin(level.scaled(1.01 * level.flat)), Settings(max_steps=20))
+    relax(
+        level.force,
+        ~level.fixed,
+        level.weight,
+        begin(level.scaled(1.01 * level.flat)),
+        Settings(max_steps=20),
+    )
     return time.perf_counter() - started

@@ -1,0 +1,152 @@
+"""Is an equilibrium stable? The lowest eigenvalue of its tangent by Lanczos iteration.
+
+A relaxation can come to rest on an unstable equilibrium: the residual of a flat sheet falls below any tolerance long
+before its wrinkles grow. The tangent stiffness K, measured against the nodal masses m of the relaxation, K v = w m v,
+tells: a Ritz value is never below the lowest eigenvalue, so a negative one proves instability. The iteration starts
+from a random out-of-plane field, so on a planar state it sees out-of-plane motion only, which is what buckles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh_tridiagonal
+
+from fdsolver.damping import twice_kinetic
+from fdsolver.effects import Force
+from fdsolver.level import Level
+from fdsolver.relax import Settings, State, kick, relax
+from fdsolver.result import Status
+from fdsolver.rows import compiled
+
+MOST_STEPS = 800
+LOOK_EVERY = 50
+NEUTRAL = 1e-7  # eigenvalues above minus this are zero: the phase of wrinkles is free, and differences round
+PROBE = 1e-7  # size of the displacement, in L, whose change of force gives K v
+
+MOST_KICKS = 8
+CONVEX = "the relaxed energy is convex"
+
+
+@dataclass(frozen=True)
+class Stability:
+    """The verdict on an equilibrium.
+
+    stable : whether no negative eigenvalue was found. lowest : lowest Ritz value of K against the nodal masses, per
+    step^2. steps : Lanczos steps, each one force evaluation. mode : (3, ni, nj) of that value, largest component 1,
+    when unstable.
+    """
+
+    stable: bool
+    lowest: float
+    steps: int
+    mode: np.ndarray | None
+
+
+def examine(force: Force, state: State, seed: int = 0) -> Stability:
+    """Look for a direction in which the equilibrium `state` is unstable.
+
+    The state's masses and positions are read, not changed. seed : of the random start, which makes this repeatable.
+    """
+    free = state.inverse_mass[2] > 0.0
+    start = np.zeros_like(state.r)
+    start[2, free] = np.random.default_rng(seed).standard_normal(int(free.sum()))
+    diagonal, off, steps = _lanczos(force, state, start, None)
+    values, vectors = eigh_tridiagonal(diagonal, off, select="i", select_range=(0, 0))
+    lowest = float(values[0])
+    if lowest >= -NEUTRAL:
+        return Stability(True, lowest, steps, None)
+    mode = np.zeros_like(start)
+    _lanczos(force, state, start, (vectors[:, 0], mode))
+    return Stability(False, lowest, 2 * steps, mode / np.abs(mode).max())
+
+
+def _lanczos(
+    force: Force, state: State, start: np.ndarray, combine: tuple[np.ndarray, np.ndarray] | None
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Tridiagonal form of m^-1 K from `start`; with `combine` = (coefficients, sum), sum their basis vectors up instead.
+
+    The basis is not kept (it would be hundreds of fields): the second pass makes the same vectors again. Lost
+    orthogonality only repeats eigenvalues that have converged, and does not move the lowest.
+    """
+    nodes = state.r.shape[1] * state.r.shape[2]
+    mass, inverse = state.mass.reshape(6, nodes), state.inverse_mass.reshape(6, nodes)
+    at_rest, moved, place = np.zeros_like(state.r), np.zeros_like(state.r), np.empty_like(state.r)
+    force(state.r, at_rest)
+    change = moved.reshape(3, nodes)
+    q, previous, image = start.reshape(3, nodes).copy(), np.zeros((3, nodes)), np.empty((3, nodes))
+    q /= np.sqrt(twice_kinetic(q, mass))
+    diagonal: list[float] = []
+    off: list[float] = []
+    best = np.inf
+    for k in range(MOST_STEPS if combine is None else combine[0].size):
+        if combine is not None:
+            combine[1][:] += combine[0][k] * q.reshape(state.r.shape)
+        probe = PROBE / max(q.max(), -q.min())
+        np.multiply(q.reshape(state.r.shape), probe, out=place)
+        place += state.r
+        force(place, moved)
+        coupling = off[-1] if off else 0.0
+        along, size = _orthogonalise(
+            q, previous, at_rest.reshape(3, nodes), change, probe, coupling, mass, inverse, image
+        )
+        diagonal.append(along)
+        previous, q, image = q, image, previous
+        q /= size
+        if combine is None and (k + 1) % LOOK_EVERY == 0:
+            lowest = eigh_tridiagonal(diagonal, off, select="i", select_range=(0, 0), eigvals_only=True)[0]
+            settled = lowest > 0.95 * best if best < -NEUTRAL else lowest > 0.999 * best > 0.0
+            if settled:
+                break
+            best = float(lowest)
+        off.append(size)
+    return np.asarray(diagonal), np.asarray(off[: len(diagonal) - 1]), len(diagonal)
+
+
+@compiled
+def _orthogonalise(q, previous, at_rest, moved, probe, coupling, mass, inverse, image):
+    """image = m^-1 K q less its parts along q and `previous`; returns the part along q and the size of the rest."""
+    along = 0.0
+    for k in range(q.shape[1]):
+        x, y, z = (
+            (at_rest[0, k] - moved[0, k]) / probe,
+            (at_rest[1, k] - moved[1, k]) / probe,
+            (at_rest[2, k] - moved[2, k]) / probe,
+        )
+        along += (x * q[0, k] + y * q[1, k] + z * q[2, k]) if inverse[0, k] > 0.0 else 0.0
+        xy, xz, yz = inverse[3, k], inverse[4, k], inverse[5, k]
+        image[0, k] = inverse[0, k] * x + xy * y + xz * z
+        image[1, k] = xy * x + inverse[1, k] * y + yz * z
+        image[2, k] = xz * x + yz * y + inverse[2, k] * z
+    for axis in range(3):
+        for k in range(q.shape[1]):
+            image[axis, k] -= along * q[axis, k] + coupling * previous[axis, k]
+    return along, np.sqrt(twice_kinetic(image, mass))
+
+
+def relax_to_stable(
+    level: Level, state: State, settings: Settings, on_block: Callable[[State], None] | None = None
+) -> tuple[Status, dict[str, object]]:
+    """Relax, examine, and leave an unstable equilibrium along its mode, until a stable one is found.
+
+    The kick is one thickness. Models that do not buckle are examined but not kicked. Returns the Status (of the last
+    relaxation, or UNSTABLE_FLAT when kicks do not help) and the verdict {"stable", "how", "lowest"}.
+    """
+    height = level.problem.sheet.thickness_mm / level.grid.length_mm
+    while True:
+        status = relax(level.force, ~level.fixed, level.weight, state, settings, on_block)
+        if level.model.relaxed:
+            return status, {"stable": True, "how": CONVEX, "lowest": None}
+        if status is not Status.CONVERGED:
+            return status, {"stable": None, "how": "not examined: the state is not converged", "lowest": None}
+        verdict = examine(level.force, state, level.problem.seed)
+        state.evaluations += verdict.steps
+        how = f"lowest Ritz value of the tangent against the nodal masses, {verdict.steps} Lanczos steps"
+        answer = {"stable": verdict.stable, "how": how, "lowest": verdict.lowest}
+        if verdict.mode is None or not level.model.buckles:
+            return status, answer
+        if state.kicks == MOST_KICKS:
+            return Status.UNSTABLE_FLAT, answer
+        kick(state, height * verdict.mode)
