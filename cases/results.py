@@ -81,7 +81,7 @@ def result_document(
         "cpu_seconds": solution.cpu_seconds,
         "seconds_compile": solution.seconds_compile,
         "peak_memory_MB": peak_memory_MB(),
-        "energy_N_mm": {part: solution.energy_N_mm.get(part) for part in ("total", "membrane", "bending")},
+        "energy_N_mm": {"total": None, "membrane": None, "bending": None, **solution.energy_N_mm},
         "reactions": {edge: asdict(reaction) for edge, reaction in solution.reactions.items()},
         "stretch": {
             "major_max": zone.stretch_major.max(),

@@ -124,8 +124,7 @@ def _stored(out: Path, identity: str, scene_text: str, resume: bool, force: bool
             f" {document.get('method')}); --force replaces it."
         )
     status = document["status"]
-    goes_on = status == Status.INTERRUPTED.value or (resume and CHECKPOINT_NAME in names)
-    if goes_on:
+    if status == Status.INTERRUPTED.value or (resume and status in [end.value for end in UNFINISHED]):
         return None
     try:
         return load_result(out)
