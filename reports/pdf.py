@@ -20,6 +20,7 @@ PAGE_IN = (8.27, 11.69)  # A4
 LEFT = (PAGE_IN[0] - TEXT_WIDTH_IN) / 2
 TOP, BOTTOM = 0.8, 0.7
 BODY_PT, CAPTION_PT, TABLE_PT = 10.0, 9.0, 7.6
+KEPT_ROWS, ROW_GAP = 12, 0.035  # shorter tables are not broken; inches between rows
 LEADING = 1.28 / 72.0  # line height in inches per point
 
 
@@ -188,9 +189,9 @@ def _table(pages: Pages, block: Table) -> None:
     head = _wrapped(block.columns, widths, True)
     caption = wrap(block.caption, CAPTION_PT, TEXT_WIDTH_IN)
     line = TABLE_PT * LEADING
-    pages.need(
-        len(caption) * CAPTION_PT * LEADING + (_lines(head) + sum(map(_lines, cells[:3]))) * line + 0.3
-    )
+    together = cells if len(cells) <= KEPT_ROWS else cells[:4]
+    rows = sum(_lines(row) * line + ROW_GAP for row in (head, *together))
+    pages.need(len(caption) * CAPTION_PT * LEADING + rows + 0.35)
     pages.y += 0.06
     for text in caption:
         pages.put(text, LEFT, pages.y, CAPTION_PT)
@@ -218,7 +219,8 @@ def _head(pages: Pages, head: list[list[str]], widths: list[float], right: list[
     pages.y += 0.04
     pages.rule(pages.y, 0.9, length=sum(widths))
     pages.y += 0.04
-    _row(pages, head, widths, right, weight="bold")
+    lowered = [[""] * (_lines(head) - len(cell)) + cell for cell in head]
+    _row(pages, lowered, widths, right, weight="bold")
     pages.rule(pages.y + 0.01, 0.5, length=sum(widths))
     pages.y += 0.05
 
@@ -229,8 +231,8 @@ def _row(pages: Pages, row: list[list[str]], widths: list[float], right: list[bo
         for k, text in enumerate(cell):
             y = pages.y + k * TABLE_PT * LEADING
             if flush_right:
-                pages.put(text, x + width - 0.09, y, TABLE_PT, ha="right", **style)
+                pages.put(text, x + width - 0.13, y, TABLE_PT, ha="right", **style)
             else:
                 pages.put(text, x, y, TABLE_PT, **style)
         x += width
-    pages.y += _lines(row) * TABLE_PT * LEADING + 0.035
+    pages.y += _lines(row) * TABLE_PT * LEADING + ROW_GAP

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+MEASURED_PT = 100.0  # at text sizes the font's hints would round every letter to whole pixels
 FAMILIES = ("STIXGeneral", "DejaVu Sans")  # the second for what the first lacks, such as small figures
 
 
@@ -20,16 +21,16 @@ def _font(bold: bool) -> Any:
 def width_in(text: str, size_pt: float, bold: bool = False) -> float:
     """Width of a line of text in inches."""
     font = _font(bold)
-    font.set_size(size_pt, 72)
+    font.set_size(MEASURED_PT, 72)
     font.set_text(text, 0.0)
-    return float(font.get_width_height()[0]) / 64.0 / 72.0
+    return float(font.get_width_height()[0]) / 64.0 / 72.0 * size_pt / MEASURED_PT
 
 
 def wrap(text: str, size_pt: float, limit_in: float, bold: bool = False) -> list[str]:
     """Break text into lines no wider than `limit_in`; a word wider than that is broken too."""
     lines: list[str] = []
     current = ""
-    for word in text.split():
+    for word in text.split(" "):
         for piece in _pieces(word, size_pt, limit_in, bold):
             longer = f"{current} {piece}" if current else piece
             if current and width_in(longer, size_pt, bold) > limit_in:

@@ -48,6 +48,7 @@ def _annulus_meshes() -> list[ReportRun]:
 def _annulus() -> list[ReportRun]:
     return [
         ReportRun("annulus-membrane-20000", "annulus", "membrane", 20000, 20000),
+        ReportRun("annulus-koiter-5000", "annulus", "koiter", 5000, 5000, max_seconds=60.0),
         ReportRun("annulus-koiter-20000", "annulus", "koiter", 20000, 20000, max_seconds=90.0),
         ReportRun("annulus-koiter-120000", "annulus", "koiter", None, 120000, max_seconds=60.0),
         ReportRun(

@@ -12,14 +12,22 @@ from reports import figures_runs
 from reports.content import Block, Drawing, Section, Table, Text
 from reports.stored import Stored
 from reports.style import number, whole
-from reports.tables import find, quantity_table, relative_error, remarks, run_table, wrinkle_table
+from reports.tables import (
+    difference_table,
+    find,
+    quantity_table,
+    relative_error,
+    remarks,
+    run_table,
+    wrinkle_table,
+)
 
 COMPARED_FROM_MM, COMPARED_TO_MM = 64.0, 248.0  # leaves out the zones that touch a rim
 COMPARED_NODES = 20000  # the paper's mesh
 LOADS = {
-    "torque at the inner circle (N mm)": ("reactions", "inner", "moment_N_mm", "#2"),
+    "torque at the inner circle (N\u00a0mm)": ("reactions", "inner", "moment_N_mm", "#2"),
     "axial force at the inner circle (N)": ("reactions", "inner", "force_N", "#2"),
-    "energy (N mm)": ("energy_N_mm", "total"),
+    "energy (N\u00a0mm)": ("energy_N_mm", "total"),
 }
 
 
@@ -44,6 +52,8 @@ def build(results: Mapping[str, Stored]) -> Section:
             2.9,
         )
     )
+    distances = difference_table(runs, "exact", ("radius",), "Distance from the closed form, ring by ring.")
+    blocks += [distances] if distances else []
     blocks.append(_loads(plain, runs))
     wrinkles = wrinkle_table(
         [s for s in mine if s.method == "koiter"], "Wrinkles on three rings, height less the ring's mean."
@@ -146,7 +156,7 @@ def order_data(plain: list[Stored]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     errors = {
         "largest stretch, L2": [_stretch_error(s, e, "stretch_major") for s, e in both],
         "second stretch, L2": [_stretch_error(s, e, "stretch_minor") for s, e in both],
-        "torque": [_load_error(s, e, LOADS["torque at the inner circle (N mm)"]) for s, e in both],
+        "torque": [_load_error(s, e, LOADS["torque at the inner circle (N\u00a0mm)"]) for s, e in both],
         "axial force": [_load_error(s, e, LOADS["axial force at the inner circle (N)"]) for s, e in both],
     }
     return spacing, {name: np.array(values) for name, values in errors.items()}
@@ -210,9 +220,8 @@ def observed_order(spacing: np.ndarray, error: np.ndarray, k: int) -> float:
 
 
 def _loads(plain: list[Stored], runs: dict[str, Stored | None]) -> Table:
-    shown = [s for s in runs.values() if s is not None]
     return quantity_table(
-        shown,
+        residual_runs(plain, runs),
         "Loads and energy at the thickness of the scene, with the difference from the closed form.",
         LOADS,
         runs.get("exact"),

@@ -5,20 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-import numpy as np
-
 from reports import figures_hole as figures
 from reports import figures_runs
-from reports.content import Block, Drawing, Section, Table, Text
+from reports.content import Block, Drawing, Section, Text
 from reports.plan import HOLE_5
 from reports.stored import Stored
-from reports.style import number
-from reports.tables import quantity_table, remarks, run_table, wrinkle_table
+from reports.tables import difference_table, quantity_table, remarks, run_table, wrinkle_table
 
 LOADS = {
     "force on the top edge (N)": ("reactions", "top", "force_N", "#1"),
     "force on the bottom edge (N)": ("reactions", "bottom", "force_N", "#1"),
-    "energy (N mm)": ("energy_N_mm", "total"),
+    "energy (N\u00a0mm)": ("energy_N_mm", "total"),
 }
 
 
@@ -33,7 +30,9 @@ def build(results: Mapping[str, Stored]) -> Section:
         if any(s.method == "koiter" for s in half.values()):
             blocks.append(_deformed("hole-5", "Fig. 7 at half the pull", half, "5"))
         blocks.append(_paths("fig8-paths-5", "Fig. 8 b, c at half the pull", half, "5"))
-    differences = difference_table(full)
+    differences = difference_table(
+        full, "tension-field", ("along_x", "along_y"), "Distance from the relaxed membrane along the paths."
+    )
     blocks += [differences] if differences else []
     blocks.append(
         Drawing(
@@ -58,31 +57,6 @@ def build(results: Mapping[str, Stored]) -> Section:
     blocks.append(run_table(mine, "Runs of the sheet with a hole: 10 % first, then 5 %."))
     found = remarks(mine)
     return Section("hole", "Pulled sheet with a hole", [*blocks, *([found] if found else [])])
-
-
-def difference_table(runs: Mapping[str, Stored]) -> Table | None:
-    """Largest and rms difference of both stretches from the relaxed membrane along both paths."""
-    reference = runs.get("tension-field")
-    rows = []
-    for method in ("koiter", "membrane"):
-        stored = runs.get(method)
-        for path in ("along_x", "along_y"):
-            if stored is None or reference is None or not stored.path(path) or not reference.path(path):
-                continue
-            ours, theirs = stored.path(path), reference.path(path)
-            keep = np.rint(theirs["state"]) != 0 if "state" in theirs else np.ones(theirs["s_mm"].size, bool)
-            row = [method, path.replace("_", " ")]
-            for field in ("stretch_major", "stretch_minor"):
-                gap = np.interp(theirs["s_mm"], ours["s_mm"], ours[field])[keep] - theirs[field][keep]
-                row += (
-                    [number(float(np.abs(gap).max()), 2), number(float(np.sqrt(np.mean(gap**2))), 2)]
-                    if gap.size
-                    else ["–", "–"]
-                )
-            rows.append(tuple(row))
-    columns = ("method", "path", "λ₁, largest (–)", "λ₁, rms (–)", "λ₂, largest (–)", "λ₂, rms (–)")
-    caption = "Differences of stretches from the relaxed membrane along the paths, slack zones left out."
-    return Table(caption, columns, tuple(rows)) if rows else None
 
 
 def _deformed(name: str, title: str, runs: Mapping[str, Stored], pull: str) -> Drawing:

@@ -169,7 +169,7 @@ def footer(results: Mapping[str, Stored]) -> list[str]:
 
 def _flat(value: object) -> str:
     if isinstance(value, Mapping):
-        return ", ".join(f"{key} {_flat(item)}" for key, item in value.items())
+        return ", ".join(f"{key} {_flat(item)}" for key, item in value.items() if item not in ("", None))
     return "" if value is None else str(value)
 
 

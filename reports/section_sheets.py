@@ -9,23 +9,23 @@ from reports import figures_sheet as figures
 from reports.content import Block, Drawing, Section, Table, Text
 from reports.plan import LADDER
 from reports.stored import Stored
-from reports.tables import quantity_table, remarks, run_table, wrinkle_table
+from reports.tables import difference_table, quantity_table, remarks, run_table, wrinkle_table
 
 STRETCH_LOADS = {
     "force on the top edge (N)": ("reactions", "top", "force_N", "#1"),
-    "energy (N mm)": ("energy_N_mm", "total"),
-    "bending energy (N mm)": ("energy_N_mm", "bending"),
+    "energy (N\u00a0mm)": ("energy_N_mm", "total"),
+    "bending energy (N\u00a0mm)": ("energy_N_mm", "bending"),
     "largest |z| (mm)": ("out_of_plane_mm", "max_abs"),
 }
 RING_LOADS = {
-    "torque (N mm)": ("reactions", "inner", "moment_N_mm", "#2"),
+    "torque (N\u00a0mm)": ("reactions", "inner", "moment_N_mm", "#2"),
     "axial force (N)": ("reactions", "inner", "force_N", "#2"),
-    "energy (N mm)": ("energy_N_mm", "total"),
+    "energy (N\u00a0mm)": ("energy_N_mm", "total"),
 }
 STRIP_LOADS = {
     "force along x (N)": ("reactions", "top", "force_N", "#0"),
     "force along y (N)": ("reactions", "top", "force_N", "#1"),
-    "energy (N mm)": ("energy_N_mm", "total"),
+    "energy (N\u00a0mm)": ("energy_N_mm", "total"),
 }
 WHAT = {
     "annulus-lift": "The inner circle is lifted only: nothing wrinkles, and all methods must agree.",
@@ -104,4 +104,6 @@ def _step(scene: str, mine: list[Stored]) -> list[Block]:
         loads,
         runs.get("exact"),
     )
-    return [drawing, table, run_table(mine, f"{scene}: runs.")]
+    caption = f"{scene}: distance from the closed form along the path."
+    distances = difference_table(runs, "exact", ("radius", "midsection"), caption)
+    return [drawing, *([distances] if distances else []), table, run_table(mine, f"{scene}: runs.")]

@@ -11,6 +11,7 @@ from reports.content import Table, Text
 from reports.stored import Columns, Stored
 from reports.style import method_name, number, whole
 
+SLACK = 0
 COARSER = 0.9  # of the planned nodes; a mesh has them within 5 %
 
 
@@ -117,6 +118,41 @@ def relative_error(path: Columns, exact: Columns, field: str, low: float, high: 
         return math.nan
     reference = at_radii(exact, path["R_mm"], field)[rows]
     return float(np.linalg.norm(path[field][rows] - reference) / np.linalg.norm(reference))
+
+
+def difference_table(
+    runs: Mapping[str, Stored | None], reference: str, names: Sequence[str], caption: str
+) -> Table | None:
+    """Distances of both stretches from a reference method along paths; None if there is nothing to compare.
+
+    Rows where the reference is slack are left out: its stretch is not unique there.
+    """
+    rows = []
+    base = runs.get(reference)
+    for method, stored in runs.items():
+        for name in names:
+            if method == reference or stored is None or base is None:
+                continue
+            ours, theirs = stored.path(name), base.path(name)
+            if ours and theirs:
+                rows.append((method, name.replace("_", " "), *_distances(ours, theirs)))
+    heads = [f"{letter}, {how} (–)" for letter in ("λ₁", "λ₂") for how in ("relative L2", "largest")]
+    return Table(caption, ("method", "path", *heads), tuple(rows)) if rows else None
+
+
+def _distances(ours: Columns, theirs: Columns) -> list[str]:
+    """Relative L2 and largest distance, of the major and of the minor stretch."""
+    along = "R_mm" if "R_mm" in theirs else "s_mm"
+    keep = np.rint(theirs["state"]) != SLACK
+    cells = []
+    for field in ("stretch_major", "stretch_minor"):
+        reference = theirs[field][keep]
+        gap = np.interp(theirs[along], ours[along], ours[field])[keep] - reference
+        if not gap.size:
+            return ["–"] * 4
+        relative = np.linalg.norm(gap) / np.linalg.norm(reference)
+        cells += [number(float(relative), 2), number(float(np.abs(gap).max()), 2)]
+    return cells
 
 
 def quantity_table(

@@ -1,16 +1,16 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from reports.section_annulus import build, main_runs, observed_order, order_data
-from reports.section_hole import difference_table
 from reports.plan import ReportRun
+from reports.section_annulus import build, main_runs, observed_order, order_data
 from reports.stored import Stored, refusal_path
 from reports.style import number, whole
-from reports.tables import percent, relative_error, remarks, run_table, shortfalls
+from reports.tables import difference_table, percent, relative_error, remarks, run_table, shortfalls
 from tests.reports.conftest import HOSTILE, REFUSED, STALLED
 from tests.reports.synthetic import write_synthetic
 
@@ -97,9 +97,18 @@ def test_main_runs_prefer_the_mesh_of_the_paper_and_a_plate_that_converged(resul
 
 def test_difference_table_leaves_out_what_was_refused(results):
     hole = {s.method: s for s in results.values() if s.run.scene == "hole" and not s.run.overrides}
-    table = difference_table(hole)
-    assert {row[0] for row in table.rows} == {"koiter"}
-    assert difference_table({}) is None
+    table = difference_table(hole, "tension-field", ("along_x", "along_y"), "")
+    assert [row[:2] for row in table.rows] == [("koiter", "along x"), ("koiter", "along y")]
+    assert difference_table({}, "exact", ("radius",), "") is None
+
+
+def test_difference_table_leaves_out_slack_rows():
+    s = np.array([0.0, 1.0, 2.0])
+    base = {"s_mm": s, "stretch_major": np.array([9.0, 3.0, 4.0]), "stretch_minor": np.ones(3)}
+    base["state"] = np.array([0, 1, 2])
+    ours = base | {"stretch_major": np.array([0.0, 3.0, 4.5])}
+    runs = {"exact": SimpleNamespace(path=lambda _: base), "koiter": SimpleNamespace(path=lambda _: ours)}
+    assert difference_table(runs, "exact", ("p",), "").rows == (("koiter", "p", "0.10", "0.50", "0", "0"),)
 
 
 def test_section_stands_with_no_result_at_all(results, tmp_path):
