@@ -86,7 +86,9 @@ def times(mass, v):
 def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_restart, steps, cap):
     """Advance r and v in place by `steps` steps under a damping rule; f holds the force at r on entry.
 
-    r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj). Returns the number of restarts, the viscosity
+    r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj).
+
+    Returns the number of restarts, the viscosity
     and the steps since the last restart.
     """
     name, constant = rule

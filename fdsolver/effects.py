@@ -38,8 +38,9 @@ def plate_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, t
 class Force:
     """Force and energy of a model on one mesh, in scaled units (lengths / L, stresses / Y).
 
-    law : membrane law; relaxed : whether it carries no compression. zone : (5, zone rows, nj - 1) of `membrane.zone_constants`. node : (7, ni, nj) and twist :
-    (4, zone rows, nj - 1), bending constants, or None: bending is off. scratch : one flat array per thread.
+    law : membrane law; relaxed : whether it carries no compression.
+    zone : (5, zone rows, nj - 1) float64 of `membrane.zone_constants`.
+    node : (8, ni, nj) and twist : (4, zone rows, nj - 1), constants of `plate`, or None: bending is off. scratch : one flat array per thread.
     """
 
     law: tuple
@@ -54,7 +55,7 @@ class Force:
     row_energy: np.ndarray
 
     def __call__(self, r: np.ndarray, f: np.ndarray) -> np.ndarray:
-        """Write the force -dE/dr on every node, fixed ones included, into f; return (membrane, bending, hourglass) energy.
+        """Write the force -dE/dr on every node into f; return the (membrane, bending, hourglass) energy.
 
         r, f : (3, ni, nj) float64, C-contiguous. The energies are summed by rows in order: same bits for any
         number of threads.
@@ -86,7 +87,7 @@ def build_force(
     node, twist, slots = None, None, membrane.SLOTS
     if model.bending:
         k = curvature_constants(grid, sheet, supports)
-        node = np.stack([k.K11, k.K12, k.K22, k.K13, k.K23, k.K33_rest, k.twist_weight])
+        node = plate.node_constants(k)
         twist, slots = np.concatenate([k.C33[None], plate.hourglass_constants(grid)]), plate.SLOTS
     return Force(
         law=model.law(sheet.poisson),

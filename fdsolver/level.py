@@ -15,7 +15,8 @@ from fdsolver.transfer import prolong
 class Level:
     """A problem on one mesh, in the engine's scaled units.
 
-    fixed : (ni, nj) bool, supported nodes. weight : (ni, nj), L / L_n at free nodes and 0 at fixed ones (`relax.residual`).
+    fixed : (ni, nj) bool, supported nodes.
+    weight : (ni, nj) float64, L / L_n at free nodes and 0 at fixed ones (`relax.residual`).
     """
 
     def __init__(self, problem: Problem, model: Model, grid: Grid, threads: int) -> None:

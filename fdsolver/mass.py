@@ -40,7 +40,7 @@ def _principal(c11, c22, c12):
 
 @compiled
 def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, stiffness):
-    """Add the zones' share of the stiffness bound to their corners; `ahead` is where r is heading until the next call."""
+    """Add the zones' share of the stiffness bound to their corners; `ahead` is where r will be at the next call."""
     rows, columns = r.shape[1], r.shape[2]
     nu = law.poisson
     modulus = 1.0 / (1.0 - nu * nu)
@@ -111,11 +111,9 @@ def _node_bending_stiffness(r, node, closed, stiffness):
         west, east = i - 1, i + 1
         if closed:
             west, east = west % rows, east % rows
-        c1 = 0.5 if closed or 0 < i < rows - 1 else 1.0
         west, east = max(west, 0), min(east, rows - 1)
         for j in range(columns):
             south, north = max(j - 1, 0), min(j + 1, columns - 1)
-            c2 = 0.5 if 0 < j < columns - 1 else 1.0
             t1x, t1y, t1z = (
                 r[0, east, j] - r[0, west, j],
                 r[1, east, j] - r[1, west, j],
@@ -154,7 +152,7 @@ def _node_bending_stiffness(r, node, closed, stiffness):
 
 @compiled
 def _zone_bending_stiffness(r, node, c33, closed, stiffness):
-    """Add the row-sum bound of the zones' twisting energy, and of the mixed moments of their nodes, to their corners."""
+    """Add the row-sum bound of the zones' twisting energy and their nodes' mixed moments to the corners."""
     rows, columns = r.shape[1], r.shape[2]
     for i in range(c33.shape[0]):
         k = (i + 1) % rows
@@ -194,13 +192,13 @@ def nodal_masses(
 
     r, ahead : (3, ni, nj) float64, scaled positions now and as they will be at the next update if nothing slows them.
     relaxed : whether the law carries no compression.
-    kind : "nodal" (3 x 3), "isotropic" (its largest eigenvalue) or "uniform" (the maximum over the mesh, as published).
+    kind : "nodal" (3 x 3), "isotropic" (its trace) or "uniform" (the maximum over the mesh, as published).
 
     Returns (6, ni, nj) float64: xx, yy, zz, xy, xz, yz of every node's mass, scaled (time step 1).
     """
     stiffness = np.zeros((6, force.rows, force.columns))
     _membrane_stiffness(force.law, r, ahead, force.zone, force.closed, relaxed, FLOOR, MARGIN, stiffness)
-    if force.node is not None:
+    if force.node is not None and force.twist is not None:
         bending = np.zeros((force.rows, force.columns))
         _node_bending_stiffness(r, force.node, force.closed, bending)
         _zone_bending_stiffness(r, force.node, force.twist[0], force.closed, bending)

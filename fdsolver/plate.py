@@ -12,9 +12,9 @@ dE = m1 n . d(s1) + m2 n . d(s2) + a . d(t1 x t2), a = (m1 s1 + m2 s2 - n (m1 b1
 the strain-gradient effect, which comes from the variation of the normal (MODEL section 1).
 
 Zone gradients do not see an in-plane checkerboard, and where free edges leave it loose it grows until nodes fall
-together. So each zone also carries k (|g|^2 - b12^2) / 2 with g = s - F (u_c - u_b - u_d + u_a), s = r_c - r_b - r_d + r_a:
-the part of s that no affine deformation explains, less its normal part, which is curvature. It vanishes on affine
-and on inextensionally bent states and is of second order in the mesh width.
+together. So each zone also carries k (|g|^2 - b12^2) / 2 with g = s - F (u_c - u_b - u_d + u_a) and
+s = r_c - r_b - r_d + r_a: the part of s that no affine deformation explains, less its normal part, which is
+curvature. It vanishes on affine states and is of second order in the mesh width.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from __future__ import annotations
 import numpy as np
 
 from fdsolver import membrane
+from fdsolver.curvature import CurvatureConstants
 from fdsolver.grid import Grid
 from fdsolver.membrane import T1X, T1Y, T1Z, T2X, T2Y, T2Z, UPPER_X, UPPER_Y, UPPER_Z, XA, XB, YA, YB, ZA, ZB
 from fdsolver.rows import FIRST, ONE, PITCH, clear, compiled, load, move, slots
@@ -48,7 +49,27 @@ SUM_X, SUM_Y, SUM_Z = slots(3, membrane.SLOTS + 41)  # gradient at node row i fr
 BEND_X, BEND_Y, BEND_Z = slots(3, membrane.SLOTS + 44)  # complete gradient at node row i from nodes
 QX, QY, QZ = slots(3, membrane.SLOTS + 47)  # gradient of zone row i on r_c - r_b - r_d + r_a
 C33, HOURGLASS, ALPHA, BETA = slots(4, membrane.SLOTS + 50)
-SLOTS = membrane.SLOTS + 54
+TURNS = slots(1, membrane.SLOTS + 54)[0]  # 1 where the normal follows the sheet, 0 where an edge is clamped
+SLOTS = membrane.SLOTS + 55
+
+
+def node_constants(k: CurvatureConstants) -> np.ndarray:
+    """K11, K12, K22, K13, K23, K33, share and turns of every node, (8, ni, nj) float64, scaled.
+
+    At a clamped edge the normal stays e3 (edges turn about the z axis only) and the mirror node is eliminated: the
+    curvature across the edge is 2 n . (r_in - r_edge). With the missing neighbour replaced by the node itself the
+    kernel measures half of that, so its moduli carry the factor 2.
+    """
+    across1, across2 = np.where(k.clamped1, 2.0, 1.0), np.where(k.clamped2, 2.0, 1.0)
+    moduli = [
+        k.K11 * across1**2,
+        k.K12 * across1 * across2,
+        k.K22 * across2**2,
+        k.K13 * across1,
+        k.K23 * across2,
+    ]
+    turns = np.where(k.clamped1 | k.clamped2, 0.0, 1.0)
+    return np.stack([*moduli, k.K33_rest, k.twist_weight, turns])
 
 
 def hourglass_constants(grid: Grid, strength: float = HOURGLASS_STRENGTH) -> np.ndarray:
@@ -100,7 +121,9 @@ def node_moment_row(s, c1, columns):
         s2x, s2y, s2z = north_x - south_x, north_y - south_y, north_z - south_z
         wx, wy, wz = t1y * t2z - t1z * t2y, t1z * t2x - t1x * t2z, t1x * t2y - t1y * t2x
         scale = 1.0 / np.sqrt(wx * wx + wy * wy + wz * wz)
-        nx, ny, nz = wx * scale, wy * scale, wz * scale
+        turns = s[TURNS + j]
+        scale *= turns
+        nx, ny, nz = wx * scale, wy * scale, wz * scale + (1.0 - turns)
         b1 = nx * s1x + ny * s1y + nz * s1z
         b2 = nx * s2x + ny * s2y + nz * s2z
         share = s[SHARE + j]
@@ -209,6 +232,7 @@ def load_moduli(s, node, row, rows, columns):
     load(s, K23, node, np.uint64(4) * plane + start, columns)
     load(s, K33, node, np.uint64(5) * plane + start, columns)
     load(s, SHARE, node, np.uint64(6) * plane + start, columns)
+    load(s, TURNS, node, np.uint64(7) * plane + start, columns)
 
 
 @compiled
@@ -245,10 +269,9 @@ def gather_row(s, n, first, last):
 def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, twist):
     """Force and energy of the node rows start <= i < stop, membrane and bending.
 
-    As `membrane.band`, with energy : (3, rows); node : flat (7, rows, columns), K11, K12, K22, K13, K23, K33, share; twist : flat (4, zone rows,
-    columns - 1), C33 and `hourglass_constants`. energy[1, i] takes the bending energy of node row
-    i and zone row i, energy[2, i] the hourglass energy of zone row i. Zone row i needs the moments of
-    node rows i and i + 1, and these the mixed curvatures of zone rows i - 1 to i + 1: so rows enter three steps early.
+    As `membrane.band`, with energy : (3, rows); node : flat (8, rows, columns) of `node_constants`; twist : flat
+    (4, zone rows, columns - 1), C33 and `hourglass_constants`. energy[1, i] takes the bending energy of node row i
+    and zone row i, energy[2, i] the hourglass energy of zone row i. Zone row i needs the moments of node rows i and i + 1, and these the mixed curvatures of zone rows i - 1 to i + 1: so rows enter three steps early.
     """
     n = np.uint64(columns)
     cells = n - ONE

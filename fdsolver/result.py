@@ -33,6 +33,7 @@ class Status(enum.Enum):
     exit_code: int
 
     def __new__(cls, value: str, sentence: str, exit_code: int) -> Status:
+        """A member with its word, its sentence and its exit code."""
         member = object.__new__(cls)
         member._value_ = value
         member.sentence = sentence

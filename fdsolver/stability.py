@@ -66,7 +66,7 @@ def examine(force: Force, state: State, seed: int = 0) -> Stability:
 def _lanczos(
     force: Force, state: State, start: np.ndarray, combine: tuple[np.ndarray, np.ndarray] | None
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    """Tridiagonal form of m^-1 K from `start`; with `combine` = (coefficients, sum), sum their basis vectors up instead.
+    """Tridiagonal form of m^-1 K from `start`; or, with `combine` = (coefficients, sum), the sum of its basis vectors.
 
     The basis is not kept (it would be hundreds of fields): the second pass makes the same vectors again. Lost
     orthogonality only repeats eigenvalues that have converged, and does not move the lowest.
