@@ -28,7 +28,9 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise Refused instead of printing the usage."""
-        raise Refused(f"{message} (see `{self.prog} --help`)")
+        # argparse quotes words as they came: what a terminal would obey must not reach it
+        printable = "".join(letter if letter.isprintable() else "?" for letter in message)
+        raise Refused(f"{printable} (see `{self.prog} --help`)")
 
 
 class _Version(argparse.Action):
