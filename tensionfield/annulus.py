@@ -160,7 +160,7 @@ def _constants(solution: ScaledSolution, problem: AnnulusProblem) -> tuple[float
     line = solution.lines(radius)
     force = force_and_tangent(line, problem.poisson, WRINKLED)[0][0]
     constant = float(radius[0] * np.linalg.norm(force[:3]))
-    return unit * constant, unit * solution.torque / constant
+    return unit * constant, unit * solution.torque / constant + 0.0
 
 
 def _warnings(solution: ScaledSolution, problem: AnnulusProblem) -> tuple[str, ...]:

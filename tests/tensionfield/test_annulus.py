@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from tensionfield.annulus import AnnulusProblem, solve_annulus, wrinkled_stretch
-from tests.tensionfield.annulus_scenes import PAPER, SCENES, annulus, bands
+from tensionfield.annulus import AnnulusProblem, AnnulusSolution, wrinkled_stretch
+from tests.tensionfield.annulus_scenes import PAPER, SCENES, annulus, bands, solved
 
 METHODS = ("shooting", "collocation")
 # Both methods hold 12 digits of the outer radius; their results differ by sums of roundings below this.
@@ -19,7 +19,7 @@ AGREEMENT = 1e-11
 @pytest.mark.parametrize("name", SCENES)
 def test_both_methods_agree_and_find_the_states(name: str) -> None:
     problem, states = SCENES[name]
-    shot, collocated = (solve_annulus(problem, method) for method in METHODS)
+    shot, collocated = (solved(problem, method) for method in METHODS)
     assert shot.states == collocated.states == states
     size = problem.outer_radius_mm
     assert shot.switch_radii_mm == pytest.approx(collocated.switch_radii_mm, rel=0.0, abs=AGREEMENT * size)
@@ -41,7 +41,7 @@ def test_both_methods_agree_and_find_the_states(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_rims_are_where_the_problem_puts_them(name: str, method: str) -> None:
     problem, _ = SCENES[name]
-    solution = solve_annulus(problem, method)
+    solution = solved(problem, method)
     r, phi, z = solution.position([problem.inner_radius_mm, problem.outer_radius_mm])
     grown = (
         problem.inner_radius_mm + problem.inner_grow_mm,
@@ -54,7 +54,7 @@ def test_rims_are_where_the_problem_puts_them(name: str, method: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_papers_annulus_is_tense_beside_both_rims(method: str) -> None:
-    solution = solve_annulus(PAPER, method)
+    solution = solved(PAPER, method)
     assert solution.states == (2, 1, 2)
     # the digits on which the two methods agree
     assert solution.switch_radii_mm == pytest.approx((70.47311933279, 144.899579732), rel=1e-11)
@@ -70,7 +70,7 @@ def test_the_papers_annulus_is_tense_beside_both_rims(method: str) -> None:
 @pytest.mark.parametrize("name", [name for name, (_, states) in SCENES.items() if 1 in states])
 def test_the_closed_form_holds_in_the_innermost_wrinkled_band(name: str, method: str) -> None:
     problem, states = SCENES[name]
-    solution = solve_annulus(problem, method)
+    solution = solved(problem, method)
     low, high, _ = bands(solution)[states.index(1)]
     radii = np.linspace(low, high, 50)[1:-1]
     stretch, constant, lever = solution.stretches(radii)[0], solution.C_mm, solution.t_mm
@@ -85,7 +85,7 @@ def test_the_closed_form_holds_in_the_innermost_wrinkled_band(name: str, method:
 @pytest.mark.parametrize("name", [name for name, (_, states) in SCENES.items() if 1 in states])
 def test_reactions_follow_from_the_two_constants(name: str) -> None:
     problem, states = SCENES[name]
-    solution = solve_annulus(problem)
+    solution = solved(problem)
     constant, lever = solution.C_mm, solution.t_mm
     assert constant is not None and lever is not None
     stiffness = 2.0 * math.pi * problem.thickness_mm * problem.young_MPa
@@ -102,7 +102,7 @@ def test_reactions_follow_from_the_two_constants(name: str) -> None:
 @pytest.mark.parametrize("name", ["paper", "large twist", "shrink", "nu 0", "lift, outer rim shrunk"])
 def test_tension_lines_are_straight_after_deformation(name: str) -> None:
     problem, states = SCENES[name]
-    solution = solve_annulus(problem)
+    solution = solved(problem)
     low, high, _ = bands(solution)[states.index(1)]
     points = np.array([_tension_line(solution, low, radius) for radius in np.linspace(low, high, 7)])
     chord = (points[-1] - points[0]) / np.linalg.norm(points[-1] - points[0])
@@ -112,7 +112,7 @@ def test_tension_lines_are_straight_after_deformation(name: str) -> None:
     assert np.max(np.abs(across)) <= 1e-10 * problem.outer_radius_mm
 
 
-def _tension_line(solution: object, low: float, radius: float) -> np.ndarray:
+def _tension_line(solution: AnnulusSolution, low: float, radius: float) -> np.ndarray:
     """Position (mm) at `radius` of the tension line that starts at `low` and the angle zero.
 
     In the reference its angle grows by tan(alpha) / R, with sin(alpha) = t / (R l).
@@ -126,10 +126,10 @@ def _tension_line(solution: object, low: float, radius: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", ["paper", "twist", "lift", "everything", "nu 0", "lift, outer rim shrunk"])
+@pytest.mark.parametrize("name", ["paper", "everything", "nu 0", "lift, outer rim shrunk"])
 def test_reactions_are_derivatives_of_the_energy(name: str, method: str) -> None:
     problem, _ = SCENES[name]
-    solution = solve_annulus(problem, method)
+    solution = solved(problem, method)
     radians = 180.0 / math.pi
     for key, step, reaction in (
         ("lift_mm", 4.0, solution.axial_force_N),
@@ -138,7 +138,7 @@ def test_reactions_are_derivatives_of_the_energy(name: str, method: str) -> None
         changes = []
         for part in (1.0, 0.5, 0.25):
             low, high = (
-                solve_annulus(
+                solved(
                     dataclasses.replace(problem, **{key: getattr(problem, key) + sign * part * step}), method
                 )
                 for sign in (-1.0, 1.0)
@@ -154,8 +154,8 @@ def test_reactions_are_derivatives_of_the_energy(name: str, method: str) -> None
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_mirrored_load_mirrors_the_answer(method: str) -> None:
-    one = solve_annulus(PAPER, method)
-    other = solve_annulus(dataclasses.replace(PAPER, lift_mm=-125.0, twist_deg=-90.0), method)
+    one = solved(PAPER, method)
+    other = solved(dataclasses.replace(PAPER, lift_mm=-125.0, twist_deg=-90.0), method)
     assert other.torque_N_mm == pytest.approx(-one.torque_N_mm, rel=1e-12)
     assert other.axial_force_N == pytest.approx(-one.axial_force_N, rel=1e-12)
     assert other.t_mm == pytest.approx(-one.t_mm, rel=1e-12)
@@ -164,8 +164,8 @@ def test_a_mirrored_load_mirrors_the_answer(method: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_units_scale(method: str) -> None:
-    one = solve_annulus(PAPER, method)
-    other = solve_annulus(AnnulusProblem(0.625, 2.5, 70.0, 0.31, 0.01, 1.25, 90.0), method)
+    one = solved(PAPER, method)
+    other = solved(AnnulusProblem(0.625, 2.5, 70.0, 0.31, 0.01, 1.25, 90.0), method)
     stress, thickness, size = 70.0 / 3500.0, 0.01 / 0.025, 0.01
     assert other.energy_N_mm == pytest.approx(one.energy_N_mm * stress * thickness * size**2, rel=1e-12)
     assert other.torque_N_mm == pytest.approx(one.torque_N_mm * stress * thickness * size**2, rel=1e-12)
@@ -178,14 +178,14 @@ def test_units_scale(method: str) -> None:
 
 
 def test_a_sheet_without_wrinkles_has_no_constants() -> None:
-    solution = solve_annulus(annulus(lift=125.0))
+    solution = solved(annulus(lift=125.0))
     assert solution.states == (2,) and solution.switch_radii_mm == ()
     assert solution.C_mm is None and solution.t_mm is None
     assert solution.torque_N_mm == 0.0
 
 
 def test_results_have_the_shape_of_the_radii() -> None:
-    solution = solve_annulus(PAPER)
+    solution = solved(PAPER)
     for shape in ((), (0,), (3,), (2, 3)):
         radii = np.full(shape, 100.0)
         results = (

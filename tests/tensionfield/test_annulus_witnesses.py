@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from tensionfield.annulus import AnnulusSolution, solve_annulus
+from tensionfield.annulus import AnnulusSolution
 from tensionfield.annulus_energy import energy as relaxed_energy
-from tensionfield.annulus_energy import force_and_tangent
+from tensionfield.annulus_energy import force_and_tangent, zone_state
 from tensionfield.annulus_momenta import Momenta
 from tensionfield.annulus_problem import scaled
-from tensionfield.annulus_start import coarse_annulus
-from tests.tensionfield.annulus_scenes import SCENES, annulus, bands, density, interpolated
+from tensionfield.annulus_start import coarse_annulus, element_lines
+from tests.tensionfield.annulus_scenes import SCENES, annulus, bands, density, interpolated, solved
 
 METHODS = ("shooting", "collocation")
 COMPLEX = 1e-30  # step of complex-step derivatives: no difference is taken, so no digits are lost
@@ -27,7 +27,7 @@ COMPLEX = 1e-30  # step of complex-step derivatives: no difference is taken, so 
 def test_fields_are_in_equilibrium(name: str, method: str) -> None:
     """Momenta of the independent energy: constant torque and axial force, balanced and continuous radial force."""
     problem, _ = SCENES[name]
-    solution = solve_annulus(problem, method)
+    solution = solved(problem, method)
     parts = [part for band in bands(solution) if (part := _momenta(solution, *band)) is not None]
     stiffness = 2.0 * math.pi * problem.young_MPa * problem.thickness_mm
     for part in parts:
@@ -88,7 +88,7 @@ def _momenta(solution: AnnulusSolution, low: float, high: float, state: int) -> 
 @pytest.mark.parametrize("name", ["paper", "lift", "twist", "shrink", "nu -0.5", "everything"])
 def test_energy_is_the_integral_of_an_independent_density(name: str, method: str) -> None:
     problem, _ = SCENES[name]
-    solution = solve_annulus(problem, method)
+    solution = solved(problem, method)
     total = 0.0
     for low, high, state in bands(solution):
         for left, right in zip(*(lambda e: (e[:-1], e[1:]))(np.geomspace(low, high, 6)), strict=True):
@@ -105,7 +105,7 @@ def test_energy_is_the_integral_of_an_independent_density(name: str, method: str
 @pytest.mark.parametrize("name", ["paper", "lift", "twist", "shrink", "nu -0.5"])
 def test_minimisation_on_fine_grids_extrapolates_to_the_same_energy(name: str) -> None:
     problem, _ = SCENES[name]
-    exact = solve_annulus(problem)
+    exact = solved(problem)
     stiffness = 2.0 * math.pi * problem.young_MPa * problem.thickness_mm * problem.outer_radius_mm**2
     coarse, middle, fine = (
         stiffness * coarse_annulus(scaled(problem), elements).energy for elements in (250, 500, 1000)
@@ -117,10 +117,25 @@ def test_minimisation_on_fine_grids_extrapolates_to_the_same_energy(name: str) -
     assert exact.energy_N_mm == pytest.approx(extrapolated, rel=2e-8)
 
 
+def test_the_coarse_start_is_a_stationary_point_of_its_own_energy() -> None:
+    problem = scaled(SCENES["paper"][0])
+    coarse = coarse_annulus(problem, 40)
+    change = np.sin(np.pi * np.outer(np.linspace(0.0, 1.0, 41), [1.0, 2.0, 3.0]))
+
+    def discrete(step: float) -> float:
+        line = element_lines(coarse.radius, coarse.field + step * change)
+        values = relaxed_energy(line, problem.poisson, zone_state(line, problem.poisson))
+        return float(values @ np.diff(coarse.radius**2) / 2.0)
+
+    assert coarse.at_rest and discrete(0.0) == coarse.energy
+    slope = (discrete(1e-6) - discrete(-1e-6)) / 2e-6
+    assert abs(slope) < 1e-8  # rounding of the energy over the step is 1e-11
+
+
 @pytest.mark.parametrize("name", [name for name, (_, states) in SCENES.items() if len(states) > 1])
 def test_states_meet_where_the_minor_stress_vanishes(name: str) -> None:
     problem, states = SCENES[name]
-    solution = solve_annulus(problem, "collocation")
+    solution = solved(problem, "collocation")
     for radius in solution.switch_radii_mm:
         step = 1e-4 * min(high - low for low, high, _ in bands(solution))
         sides = np.array([radius - step, radius + step])
@@ -137,7 +152,7 @@ def test_states_meet_where_the_minor_stress_vanishes(name: str) -> None:
 
 
 def test_poissons_ratio_does_not_matter_where_everything_is_wrinkled() -> None:
-    one, other = (solve_annulus(annulus(poisson=nu, lift=125.0, twist=90.0)) for nu in (-0.5, -0.7))
+    one, other = (solved(annulus(poisson=nu, lift=125.0, twist=90.0)) for nu in (-0.5, -0.7))
     assert one.states == other.states == (1,)
     assert one.energy_N_mm == pytest.approx(other.energy_N_mm, rel=1e-12)
 
@@ -145,7 +160,7 @@ def test_poissons_ratio_does_not_matter_where_everything_is_wrinkled() -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_a_radial_wrinkled_band_is_a_bundle_of_threads(method: str) -> None:
     """Without a twist the tension lines are radial: R f(l) = C with t = 0, and they shorten by their stretch."""
-    solution = solve_annulus(annulus(grow=(-40.0, 0.0)), method)
+    solution = solved(annulus(grow=(-40.0, 0.0)), method)
     assert solution.t_mm == 0.0
     radii = np.linspace(62.5, solution.switch_radii_mm[0], 40)
     major = solution.stretches(radii)[0]
@@ -163,7 +178,7 @@ def test_small_stretch_is_lames_solution(method: str) -> None:
     inner, outer, nu, young = 62.5, 250.0, 0.31, 3500.0
     differences = []
     for grow in (1e-2, 1e-3):
-        solution = solve_annulus(annulus(grow=(0.0, grow)), method)
+        solution = solved(annulus(grow=(0.0, grow)), method)
         slope = grow / (outer - inner**2 / outer)  # u = slope (R - inner^2 / R)
         radii = np.linspace(inner, outer, 9)
         radial, hoop = slope * (1.0 + inner**2 / radii**2), slope * (1.0 - inner**2 / radii**2)
@@ -181,7 +196,7 @@ def test_lift_at_a_third_is_schwerins_membrane(lift: float, method: str) -> None
     With r = R the hoop strain is zero, so S22 = nu S11; (R S11)' = S22 gives S11 ~ R^(nu - 1), and S11 ~ z'^2 with
     R S11 z' = const gives S11 ~ R^(-2/3). Both agree for nu = 1/3.
     """
-    solution = solve_annulus(annulus(poisson=1.0 / 3.0, lift=lift), method)
+    solution = solved(annulus(poisson=1.0 / 3.0, lift=lift), method)
     radii = np.linspace(62.5, 250.0, 41)
     r, phi, z = solution.position(radii)
     inner, outer = 62.5 ** (2.0 / 3.0), 250.0 ** (2.0 / 3.0)
