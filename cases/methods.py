@@ -167,6 +167,7 @@ def _relaxed_by(model: Model, task: Task) -> Solution:
         damping=solver.damping,
         mass=solver.mass,
         levels=solver.levels,
+        thicken=solver.thicken,
         max_steps=solver.max_steps,
         max_seconds=solver.max_seconds,
         threads=task.threads,

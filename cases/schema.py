@@ -221,8 +221,9 @@ class Solver(Table):
         default=None, ge=1e-14, le=0.1, description="a residual from 1e-14 to 0.1"
     )
     damping: Literal["adaptive", "kinetic", "kinetic-published", "viscous"] = "adaptive"
-    mass: Literal["nodal", "uniform"] = "nodal"
+    mass: Literal["nodal", "isotropic", "uniform"] = "nodal"
     levels: int | None = Field(default=None, ge=1, le=12, description="a whole number from 1 to 12")
+    thicken: bool = False
     max_steps: int = Field(
         default=2_000_000, ge=1, le=10**12, description="a whole number from 1 to 1000000000000"
     )

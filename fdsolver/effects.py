@@ -40,7 +40,8 @@ class Force:
 
     law : membrane law; relaxed : whether it carries no compression.
     zone : (5, zone rows, nj - 1) float64 of `membrane.zone_constants`.
-    node : (8, ni, nj) and twist : (4, zone rows, nj - 1), constants of `plate`, or None: bending is off. scratch : one flat array per thread.
+    node : (8, ni, nj), twist : (4, zone rows, nj - 1) float64, constants of `plate`; None: bending is off.
+    scratch : (threads, ...) float64, one flat array per thread.
     """
 
     law: tuple

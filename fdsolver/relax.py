@@ -130,11 +130,18 @@ def _largest_force(f, weight):
 
 def kick(state: State, displacement: np.ndarray) -> None:
     """Displace `state` by (3, ni, nj), scaled, and let it start again from rest."""
-    state.r += displacement
-    state.v[:] = 0.0
-    state.since_restart, state.viscosity, state.total_energy = 0, 0.0, np.inf
-    state.best_residual, state.best_step, state.stalls = np.inf, state.step, 0
-    state.kicks += 1
+    # In one call: an interrupt must not come between.
+    vars(state).update(
+        r=state.r + displacement,
+        v=np.zeros_like(state.v),
+        since_restart=0,
+        viscosity=0.0,
+        total_energy=np.inf,
+        best_residual=np.inf,
+        best_step=state.step,
+        stalls=0,
+        kicks=state.kicks + 1,
+    )
 
 
 def residual(f: np.ndarray, weight: np.ndarray) -> float:
@@ -159,18 +166,21 @@ def relax(
     free : (ni, nj) bool. weight : (ni, nj) float64, see `residual`.
     on_block : called between blocks with the state as it will be continued (progress, checkpoints).
 
-    Returns the Status. On KeyboardInterrupt the state of the last block boundary stands, and INTERRUPTED is returned.
+    Returns the Status. On KeyboardInterrupt, from `on_block` too, INTERRUPTED is returned and the state is put back to
+    where the present block began, so that a run continued from it repeats that block and makes the same bits.
     """
     f, old = np.zeros_like(state.r), np.zeros_like(state.r)
     rule = damping.rule(settings.damping, max(state.r.shape[1:]))
-    while True:
-        started, kept = time.perf_counter(), (state.r.copy(), state.v.copy())
-        try:
+    kept = _keep(state)
+    try:
+        while True:
+            kept, started = _keep(state), time.perf_counter()
             status = _look(force, weight, state, settings, f)
+            masses_due = (len(state.history) - 1) % MASS_EVERY == 0
+            if masses_due and status in (None, Status.CONVERGED):
+                _set_masses(force, free, state, settings.mass)
             if status is not None:
                 return status
-            if (len(state.history) - 1) % MASS_EVERY == 0:
-                _set_masses(force, free, state, settings.mass)
             restarts, state.viscosity, state.since_restart = damping.advance(
                 force,
                 state.r,
@@ -185,15 +195,26 @@ def relax(
                 BLOCK,
                 CAP,
             )
-        except KeyboardInterrupt:
-            state.r[:], state.v[:] = kept
-            return Status.INTERRUPTED
-        state.history[-1] = (*state.history[-1][:4], float(restarts))
-        state.step += BLOCK
-        state.evaluations += BLOCK
-        state.seconds += time.perf_counter() - started
-        if on_block is not None:
-            on_block(state)
+            state.history[-1] = (*state.history[-1][:4], float(restarts))
+            state.step += BLOCK
+            state.evaluations += BLOCK
+            state.seconds += time.perf_counter() - started
+            if on_block is not None:
+                on_block(state)
+    except KeyboardInterrupt:
+        _put_back(state, kept)
+        return Status.INTERRUPTED
+
+
+def _keep(state: State) -> tuple[dict, int]:
+    """What `_put_back` needs: all values (positions and velocities change in place) and the rows of the history."""
+    return {**vars(state), "r": state.r.copy(), "v": state.v.copy()}, len(state.history)
+
+
+def _put_back(state: State, kept: tuple[dict, int]) -> None:
+    """Undo what happened to a state since `_keep`. A last row of the same step is made again by the next look."""
+    vars(state).update(kept[0])
+    del state.history[kept[1] :]
 
 
 def _look(force: Force, weight: np.ndarray, state: State, settings: Settings, f: np.ndarray) -> Status | None:
@@ -234,8 +255,7 @@ def _recover(force: Force, state: State, f: np.ndarray, finite: bool) -> Status 
         return Status.DIVERGED if finite else Status.NOT_FINITE
     state.r[:], state.v[:] = state.safe, 0.0
     state.mass_factor *= HEAVIER
-    state.mass *= HEAVIER
-    state.inverse_mass /= HEAVIER
+    state.mass, state.inverse_mass = HEAVIER * state.mass, state.inverse_mass / HEAVIER
     state.since_restart, state.viscosity = 0, 0.0
     state.total_energy = float(force(state.r, f).sum())
     if not np.isfinite(state.total_energy):
@@ -246,5 +266,7 @@ def _recover(force: Force, state: State, f: np.ndarray, finite: bool) -> Status 
 def _set_masses(force: Force, free: np.ndarray, state: State, kind: str) -> None:
     """Update the inverse masses to the stiffness of the present state; fixed nodes get 0 and never move."""
     ahead = state.r + BLOCK * MASS_EVERY * state.v
-    state.mass[:] = state.mass_factor * nodal_masses(force, state.r, ahead, force.relaxed, kind)
-    invert(state.mass.reshape(6, -1), free.reshape(-1), state.inverse_mass.reshape(6, -1))
+    mass = state.mass_factor * nodal_masses(force, state.r, ahead, force.relaxed, kind)
+    inverse = np.zeros_like(mass)
+    invert(mass.reshape(6, -1), free.reshape(-1), inverse.reshape(6, -1))
+    state.mass, state.inverse_mass = mass, inverse  # new arrays: `_put_back` wants the old ones
