@@ -17,7 +17,7 @@ from cases.lattice import zone_centres
 from cases.methods import MethodError, edges_of, sheet_of
 from cases.schema import AnnulusSheet, Scene
 from fdsolver.edges import EdgeCondition
-from fdsolver.fields import zone_fields
+from fdsolver.fields import principal_strains, zone_state
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.result import Reaction, Solution, Status, ZoneFields
@@ -103,8 +103,19 @@ def _homogeneous(scene: Scene, grid: Grid, affine: Affine) -> Solution:
         force = sheet.thickness_mm * length * gradient @ stress @ _normal(ends)
         middle = gradient @ ends.mean(axis=0) + shift
         reactions[name] = Reaction(force, np.cross(middle, force))
-    zone = zone_fields(grid, sheet, r, relaxed=True)
+    zone = _uniform_zone(gradient, sheet, grid.zone_area.shape)
     return _solution(grid, sheet, r, zone, energy, reactions, 0.0, (), "homogeneous state", started)
+
+
+def _uniform_zone(gradient: np.ndarray, sheet: Sheet, shape: tuple[int, ...]) -> ZoneFields:
+    """The same fields in every zone; taken from one gradient, so that rounding cannot speckle a border
+    state.
+    """
+    major, minor = principal_strains(gradient)
+    lateral, tension = np.linalg.eigvalsh(_relaxed_stress(gradient, sheet))
+    values = (np.sqrt(1.0 + 2.0 * major), np.sqrt(1.0 + 2.0 * minor), tension, lateral)
+    state = zone_state(major, minor, sheet.poisson)
+    return ZoneFields(*(np.full(shape, value) for value in (*values, state)))
 
 
 def _annulus(scene: Scene, grid: Grid) -> Solution:
