@@ -89,7 +89,8 @@ def hourglass_share(grid: Grid, r: np.ndarray) -> dict[str, float | None]:
     """Rms of the checkerboard part of the displacement over rms of its smooth part, out of plane and in plane.
 
     The checkerboard part is what the filter (-1, 2, -1)/4 in both mesh directions lets pass: all of (-1)^(i+j), and a
-    fourth difference of a smooth field. None where the smooth part is below `HARDLY_MOVED` of the sheet's size.
+    fourth difference of a smooth field. None where both parts are below `HARDLY_MOVED` of the sheet's size; a
+    checkerboard alone is measured against that size.
     """
     reference = np.concatenate([grid.u, np.zeros((grid.ni, grid.nj, 1))], axis=-1)
     w = r - reference
@@ -101,6 +102,7 @@ def hourglass_share(grid: Grid, r: np.ndarray) -> dict[str, float | None]:
     def share(axes: slice) -> float | None:
         size = float(np.sqrt(np.mean(np.sum(smooth[..., axes] ** 2, axis=-1))))
         rough = float(np.sqrt(np.mean(np.sum(high[..., axes] ** 2, axis=-1))))
-        return rough / size if max(size, rough) > HARDLY_MOVED * grid.length_mm and size > 0.0 else None
+        least = HARDLY_MOVED * grid.length_mm
+        return rough / max(size, least) if max(size, rough) > least else None
 
     return {"out_of_plane": share(slice(2, 3)), "in_plane": share(slice(0, 2))}

@@ -24,6 +24,8 @@ from fdsolver.warm import compile_kernels
 COARSEST = 1000  # nodes: below this a coarser level saves nothing
 RATIO = 4  # nodes of a level over those of the next coarser one
 SAVE_SECONDS = 5.0  # between two checkpoints
+LAST_STATUS = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.NOT_FINITE)  # no finer mesh after these
+RESUMABLE = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.STEP_LIMIT)
 
 
 class Store(Protocol):
@@ -41,7 +43,8 @@ class Run:
     """Where a nested run stands; with `state` it is all that a checkpoint holds.
 
     level : index of the present mesh, coarsest first. done : summaries of the finished levels. history : rows
-    (level, step, energy, kinetic, residual, restart) of the finished levels, energies in N mm.
+    (level, step, energy, kinetic, residual, restart) of the finished levels, energies in N mm. limit_steps,
+    limit_seconds : what the run had used when it last ended at a limit; a resumed run gets as much again.
     """
 
     state: State
@@ -50,13 +53,17 @@ class Run:
     history: list[tuple[float, ...]] = field(default_factory=list)
     seconds: float = 0.0
     cpu_seconds: float = 0.0
+    limit_steps: int = 0
+    limit_seconds: float = 0.0
 
     def as_arrays(self) -> dict[str, Any]:
         """The run as named arrays and strings."""
         state = {f"state_{name}": value for name, value in self.state.as_arrays().items()}
         history = np.asarray(self.history, dtype=float).reshape(-1, 6)
         own = {"level": self.level, "done": json.dumps(self.done), "history": history}
-        return {**state, **own, "seconds": self.seconds, "cpu_seconds": self.cpu_seconds}
+        used = {"seconds": self.seconds, "cpu_seconds": self.cpu_seconds}
+        limits = {"limit_steps": self.limit_steps, "limit_seconds": self.limit_seconds}
+        return {**state, **own, **used, **limits}
 
     @classmethod
     def from_arrays(cls, saved: Mapping[str, Any]) -> Run:
@@ -71,7 +78,20 @@ class Run:
             history=[tuple(row) for row in np.asarray(saved["history"]).tolist()],
             seconds=float(saved["seconds"]),
             cpu_seconds=float(saved["cpu_seconds"]),
+            limit_steps=int(saved["limit_steps"]),
+            limit_seconds=float(saved["limit_seconds"]),
         )
+
+    @property
+    def steps(self) -> int:
+        """Steps on all levels so far."""
+        return self.state.step + int(sum(row["steps"] for row in self.done))
+
+    def limits(self, settings: Settings) -> Settings:
+        """The settings with limits that count from the beginning of the present level."""
+        steps = settings.max_steps + self.limit_steps - self.steps + self.state.step
+        seconds = settings.max_seconds + self.limit_seconds - self.seconds + self.state.seconds
+        return replace(settings, max_steps=steps, max_seconds=seconds)
 
     def finish_level(self, level: Level) -> None:
         """Move the state's history and summary over to the finished levels."""
@@ -110,8 +130,9 @@ def solve(
 ) -> Solution:
     """Relax a problem through nested meshes, from the interpolated start or from a checkpoint.
 
-    The result is bit-equal whether or not the run was stopped and resumed in between. Raises ValueError for settings
-    that cannot be, GridError for meshes, CheckpointError for a checkpoint of another run.
+    The result is bit-equal whether or not the run was stopped and resumed in between. A run that ended at a limit
+    leaves its checkpoint and goes on from there. Raises ValueError for settings that cannot be, GridError for
+    meshes, CheckpointError for a checkpoint of another run.
     """
     numba.set_num_threads(settings.threads)
     seconds_compile = compile_kernels(problem, model, settings.threads)
@@ -126,18 +147,16 @@ def solve(
         run = Run(begin(level.start()))
     while True:
         clock.charge(run)
-        limits = replace(settings, max_seconds=settings.max_seconds - run.seconds + run.state.seconds)
         watch = _watcher(run, level, len(grids), settings, clock, progress, checkpoint)
-        status, stability = relax_to_stable(level, run.state, limits, watch)
+        status, stability = relax_to_stable(level, run.state, run.limits(settings), watch)
         clock.charge(run)
-        if status is Status.INTERRUPTED and checkpoint is not None:
+        last = run.level + 1 == len(grids) or status in LAST_STATUS
+        if last and checkpoint is not None and status in RESUMABLE:
+            if status is not Status.INTERRUPTED:
+                run.limit_steps, run.limit_seconds = run.steps, run.seconds
             checkpoint.save(run.as_arrays())
         run.finish_level(level)
-        if run.level + 1 == len(grids) or status in (
-            Status.INTERRUPTED,
-            Status.TIME_LIMIT,
-            Status.NOT_FINITE,
-        ):
+        if last:
             break
         run.level += 1
         grid = grids[run.level]

@@ -132,7 +132,7 @@ def relax_to_stable(
     """Relax, examine, and leave an unstable equilibrium along its mode, until a stable one is found.
 
     The kick is one thickness. Models that do not buckle are examined but not kicked. Returns the Status (of the last
-    relaxation, or UNSTABLE_FLAT when kicks do not help) and the verdict {"stable", "how", "lowest"}.
+    relaxation, INTERRUPTED, or UNSTABLE_FLAT when kicks do not help) and the verdict {"stable", "how", "lowest"}.
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
@@ -141,7 +141,10 @@ def relax_to_stable(
             return status, {"stable": True, "how": CONVEX, "lowest": None}
         if status is not Status.CONVERGED:
             return status, {"stable": None, "how": "not examined: the state is not converged", "lowest": None}
-        verdict = examine(level.force, state, level.problem.seed)
+        try:
+            verdict = examine(level.force, state, level.problem.seed)
+        except KeyboardInterrupt:
+            return Status.INTERRUPTED, {"stable": None, "how": "not examined: interrupted", "lowest": None}
         state.evaluations += verdict.steps
         how = f"lowest Ritz value of the tangent against the nodal masses, {verdict.steps} Lanczos steps"
         answer = {"stable": verdict.stable, "how": how, "lowest": verdict.lowest}

@@ -12,6 +12,7 @@ from fdsolver.level import Level
 from fdsolver.model import Model
 from fdsolver.problem import Problem
 from fdsolver.relax import Settings, begin, relax
+from fdsolver.stability import examine
 
 
 def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
@@ -25,11 +26,8 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     grid = Grid("rectangle", np.stack([x, y], axis=-1), False, edges, x[:, 0].copy(), y[0].copy(), 1.0)
     tiny = replace(problem, grid=grid, edges={})
     level = Level(tiny, model, grid, threads)
-    relax(
-        level.force,
-        ~level.fixed,
-        level.weight,
-        begin(level.scaled(1.01 * level.flat)),
-        Settings(max_steps=20),
-    )
+    state = begin(level.scaled(1.01 * level.flat))
+    relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20))
+    if not model.relaxed:
+        examine(level.force, state)
     return time.perf_counter() - started
