@@ -29,13 +29,13 @@ METHODS = ("membrane", "tension-field", "koiter", "exact")  # later ones are dra
 SURFACES = ("koiter", "tension-field")
 
 
-def draw_lit(ax: Axes, stored: Stored | None, title: str, view: View = VIEW, coloured: bool = False) -> None:
+def draw_lit(ax: Axes, stored: Stored | None, title: str, coloured: bool = False, pixels: int = 1400) -> None:
     """Lit view of the deformed sheet with a scale bar, or the reason why there is none."""
     if stored is None or not stored.drawable:
         unavailable(ax, title, stored)
         return
     colours = state_rgb(stored) if coloured else plain_rgb(stored)
-    picture = lit_view(stored.fields["r"], colours, stored.closed, view, 1400)
+    picture = lit_view(stored.fields["r"], colours, stored.closed, VIEW, pixels)
     ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     ax.set_title(title)
     ax.set_axis_off()

@@ -48,7 +48,7 @@ def draw_relief(ax: Axes, stored: Stored | None, title: str) -> None:
         unavailable(ax, title, stored)
         return
     relief = relief_factor(stored)
-    picture = lit_view(stored.fields["r"], plain_rgb(stored), stored.closed, View(), 1200, relief)
+    picture = lit_view(stored.fields["r"], plain_rgb(stored), stored.closed, View(), 1000, relief)
     ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     plan_axes(ax, "deformed")
     ax.set_title(title)

@@ -81,7 +81,7 @@ def ladder(fig: FigureBase, runs: Runs) -> None:
     if shown is not None and shown.drawable and np.ptp(shown.fields["r"][..., 2]) < SEEN_FLAT_MM:
         draw_states(axes[0], shown, "(a) relaxed membrane, state")
     else:
-        draw_lit(axes[0], shown, "(a) relaxed membrane, state", coloured=True)
+        draw_lit(axes[0], shown, "(a) relaxed membrane, state", coloured=True, pixels=700)
     _stretch_along(axes[1], runs, "stretch_major", STRETCH_MAJOR, "(b) largest stretch")
     _stretch_along(axes[2], runs, "stretch_minor", STRETCH_MINOR, "(c) second stretch")
     handles = [*state_handles(), *key(runs, ORDER)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import dataclass
 
@@ -11,6 +12,7 @@ from numba import njit
 SUPERSAMPLING = 2  # each pixel is the mean of 2 x 2, for smooth silhouettes
 LIGHT = np.array([-0.55, 0.45, 0.70])  # from the upper left towards the reader, camera axes
 AMBIENT, DIFFUSE, GLOSS, GLOSS_POWER = 0.38, 0.60, 0.16, 24.0
+KEPT_PICTURES = 64  # of a few MB each
 
 
 @dataclass(frozen=True)
@@ -33,13 +35,16 @@ class View:
 
 @dataclass(frozen=True)
 class Picture:
-    """rgba : (rows, columns, 4) float64, first row on top.  extent : left, right, bottom, top in mm."""
+    """rgba : (rows, columns, 4) uint8, first row on top.  extent : left, right, bottom, top in mm."""
 
     rgba: np.ndarray
     extent: tuple[float, float, float, float]
 
 
-def flat_view(r: np.ndarray, zone_rgb: np.ndarray, closed: bool, pixels: int = 1200) -> Picture:
+_FILLED: dict[bytes, Picture] = {}
+
+
+def flat_view(r: np.ndarray, zone_rgb: np.ndarray, closed: bool, pixels: int = 1000) -> Picture:
     """Draw zones in their plain colours from above, with smooth outlines; arguments as in `lit_view`.
 
     r : (ni, nj, 2 or 3) mm.
@@ -74,7 +79,21 @@ def lit_view(
 
 
 def _picture(seen: np.ndarray, shade: np.ndarray, zone_rgb: np.ndarray, pixels: int) -> Picture:
-    """Fit the projected nodes (right, up, towards the reader; mm) into the picture and fill it."""
+    """Fit the projected nodes (right, up, towards the reader; mm) into the picture and fill it.
+
+    The page and the PDF show the same pictures: each is filled once.
+    """
+    zone_rgb = np.ascontiguousarray(zone_rgb, dtype=np.float64)
+    content = b"".join(array.tobytes() for array in (seen, shade, zone_rgb))
+    key = hashlib.blake2b(content + repr((pixels, seen.shape)).encode()).digest()
+    if key not in _FILLED:
+        while len(_FILLED) >= KEPT_PICTURES:
+            _FILLED.pop(next(iter(_FILLED)))
+        _FILLED[key] = _fill_picture(seen, shade, zone_rgb, pixels)
+    return _FILLED[key]
+
+
+def _fill_picture(seen: np.ndarray, shade: np.ndarray, zone_rgb: np.ndarray, pixels: int) -> Picture:
     low, high = seen[..., :2].min(axis=(0, 1)), seen[..., :2].max(axis=(0, 1))
     pad = 0.01 * float((high - low).max())
     low, high = low - pad, high + pad
@@ -84,7 +103,7 @@ def _picture(seen: np.ndarray, shade: np.ndarray, zone_rgb: np.ndarray, pixels: 
     screen[..., 0] = (seen[..., 0] - low[0]) * scale
     screen[..., 1] = (high[1] - seen[..., 1]) * scale
     screen[..., 2] = seen[..., 2]
-    rgb, alpha = _fill(screen, shade, np.ascontiguousarray(zone_rgb, dtype=np.float64), width, height)
+    rgb, alpha = _fill(screen, shade, zone_rgb, width, height)
     left, top = float(low[0]), float(high[1])
     return Picture(_average(rgb, alpha), (left, left + width / scale, top - height / scale, top))
 
@@ -165,4 +184,5 @@ def _average(rgb: np.ndarray, alpha: np.ndarray) -> np.ndarray:
 
     covered = total(alpha)
     colour = total(rgb * alpha[..., None]) / np.where(covered > 0.0, covered, 1.0)[..., None]
-    return np.concatenate([colour, covered[..., None] / SUPERSAMPLING**2], axis=-1)
+    rgba = np.concatenate([colour, covered[..., None] / SUPERSAMPLING**2], axis=-1)
+    return np.rint(255.0 * rgba).astype(np.uint8)

@@ -12,7 +12,7 @@ import pytest
 import cases
 import reports.command as command
 from fdsolver.result import Status
-from reports.plan import LADDER, SCENES, ReportRun, report_runs
+from reports.plan import ReportRun, report_runs
 from reports.stored import refusal_path
 from tests.reports.synthetic import write_synthetic
 
@@ -37,11 +37,15 @@ def test_report_without_solver_draws_what_is_there(monkeypatch, tmp_path, capsys
 
 
 def test_quick_and_full_results_do_not_meet(monkeypatch, tmp_path):
-    seen = []
-    monkeypatch.setattr(command, "run_case", lambda run, folder, nodes, *_: seen.append((folder, nodes)))
+    ran, drawn = [], []
+    monkeypatch.setattr(command, "report_runs", lambda full, scenes: [RUN])
+    monkeypatch.setattr(command, "run_case", lambda run, folder, nodes, *_: ran.append((folder, nodes)))
+    monkeypatch.setattr(command, "render", lambda out, runs, folder, *_: drawn.append(folder / "hole-x"))
     for full in (False, True):
-        command.run_cases([RUN], tmp_path / str(full), full)
-    assert seen == [(tmp_path / "False" / "hole-x", 400), (tmp_path / "True" / "hole-x", 800)]
+        command.report(tmp_path, full)
+    assert [nodes for _, nodes in ran] == [400, 800]
+    assert [folder for folder, _ in ran] == drawn
+    assert drawn[0] != drawn[1]
 
 
 def test_older_result_of_the_reports_own_folder_is_replaced(monkeypatch, tmp_path):
@@ -107,7 +111,9 @@ def test_every_planned_scene_and_override_loads():
 
 
 def test_report_has_every_scene_of_this_version():
-    assert {run.scene for run in report_runs()} == {*SCENES, *LADDER}
+    verified = {"annulus-lift", "annulus-twist", "annulus-shrink", "strip-tension", "shear-rails"}
+    for full in (False, True):
+        assert {run.scene for run in report_runs(full)} == {"annulus", "hole", "stretch"} | verified
     assert {run.scene for run in report_runs(scenes=["hole"])} == {"hole"}
     with pytest.raises(ValueError, match="no scene wormhole; it has annulus"):
         report_runs(scenes=["wormhole"])
