@@ -173,6 +173,8 @@ def choices_of(info: FieldInfo) -> tuple[str, ...]:
 
 def allowed(info: FieldInfo) -> str:
     """What a key may be, completing "must be ..."."""
+    if info.annotation is bool:
+        return "true or false"
     return info.description or one_of(choices_of(info))
 
 
