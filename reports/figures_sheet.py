@@ -35,7 +35,8 @@ def stretched(fig: FigureBase, runs: Runs) -> None:
             ax.tick_params(labelleft=False, left=False)
     _profile(plots[0], runs)
     _stretch_along(plots[1], runs, "stretch_minor", STRETCH_MINOR, "(e) second stretch")
-    fig.legend(handles=[*key(runs, ORDER), *state_handles()], loc="outside lower center", ncols=3)
+    handles = [*key(runs, ORDER), *state_handles()]
+    plots[1].legend(handles=handles, loc="upper center", bbox_to_anchor=(0.45, -0.32), ncols=2, fontsize=7)
 
 
 def _profile(ax: Axes, runs: Runs) -> None:
