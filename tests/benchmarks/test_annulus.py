@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -127,10 +129,12 @@ def test_ladder_agrees_with_the_closed_form(verify, scene):
     )
 
 
-def test_koiter_settles_into_resolved_wrinkles(verify):
-    """Annulus, plate of 0.25 mm at 20 000 nodes: converged, stable, resolved, close to the tension field"""
-    folder, field_folder = verify.folder("annulus-koiter-thick"), verify.folder("annulus-thick-tension-field")
-    changes = {"sheet.thickness_mm": 0.25}
+@pytest.mark.parametrize("thickness_mm", [0.025, 0.25])
+def test_koiter_settles_into_wrinkles(verify, thickness_mm):
+    """Annulus, plate at 20 000 nodes: converged, stable, close to the tension field"""
+    folder = verify.folder(f"annulus-koiter-{thickness_mm}")
+    field_folder = verify.folder(f"annulus-tension-field-{thickness_mm}")
+    changes = {"sheet.thickness_mm": thickness_mm}
     solution = run(load_scene("annulus", changes), method="koiter", nodes=20000, out=folder)
     field = run(load_scene("annulus", changes), method="tension-field", nodes=20000, out=field_folder)
     verify.equal(
@@ -158,4 +162,6 @@ def test_koiter_settles_into_resolved_wrinkles(verify):
         limit=1.0 - 3e-4,
         reason="the relaxed energy is the lower bound, here up to its quadrature error",
     )
+    stored = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    verify.note("nodes per wrinkle, 6 being resolved", stored["nodes_per_wrinkle"] or float("nan"))
     verify.note("CPU seconds", solution.cpu_seconds, "s")
