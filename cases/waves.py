@@ -121,7 +121,7 @@ def half_waves(s: np.ndarray, z: np.ndarray, closed: bool = False) -> HalfWaves:
     length = s[-1] - s[0]
     depth = max(LEVEL * float(np.abs(z).max()), _NOISE_FACTOR * noise(z))
     if closed:
-        s, z = _twice_round(s, z)
+        s, z = _thrice_round(s, z)
     turns = turning_points(z, depth)
     before, turns, after = ([], turns, []) if closed else _ends(s, z, turns)
     pairs = list(zip(turns[:-1], turns[1:], strict=True))
@@ -136,10 +136,7 @@ def half_waves(s: np.ndarray, z: np.ndarray, closed: bool = False) -> HalfWaves:
     )
     start, end = np.array(crossings[:-1], dtype=float), np.array(crossings[1:], dtype=float)
     wavelength = _averaged(2.0 * (end - start), envelope)
-    once = np.arange(len(start))
-    if closed and len(start):
-        # Drop the first (it lacks a neighbour) and what repeats it one round later; 1e-9 is for rounding.
-        once = np.flatnonzero((start > start[0]) & (start <= start[0] + length * (1.0 + 1e-9)))
+    once = _once_round(start, length) if closed else np.arange(len(start))
     return HalfWaves(start[once], end[once], envelope[once], wavelength[once])
 
 
@@ -199,11 +196,25 @@ def _crossing(s: np.ndarray, z: np.ndarray, first: int, last: int, level: float)
     return 0.5 * float(places[0] + places[1])
 
 
-def _twice_round(s: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A closed profile (last point = first) written twice, from its largest |z| on."""
+def _thrice_round(s: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A closed profile (last point = first) written three times, from its largest |z| on."""
     count = len(z) - 1
-    order = int(np.argmax(np.abs(z[:-1]))) + np.arange(2 * count + 1)
+    order = int(np.argmax(np.abs(z[:-1]))) + np.arange(3 * count + 1)
     return s[order % count] + (s[-1] - s[0]) * (order // count), z[order % count]
+
+
+def _once_round(start: np.ndarray, length: float) -> np.ndarray:
+    """Indices of the half-waves of the second of three rounds.
+
+    The first round still depends on where it began. Crests and troughs alternate, so a round has an even
+    number of half-waves: this tells apart those that begin at almost the same place.
+    """
+    if len(start) < 3:
+        return np.arange(0)
+    first = int(np.searchsorted(start, start[0] + 0.5 * length))
+    even = np.arange(first + 2, len(start), 2)
+    end = even[np.argmin(np.abs(start[even] - start[first] - length))]
+    return np.arange(first, end)
 
 
 def _ends(s: np.ndarray, z: np.ndarray, turns: list[int]) -> tuple[list[float], list[int], list[float]]:
