@@ -12,11 +12,11 @@ from fdsolver.level import Level
 from fdsolver.model import Model
 from fdsolver.relax import Settings
 from fdsolver.result import Solution, Status
+from fdsolver.verdict import judge
 
 if TYPE_CHECKING:
     from fdsolver.multilevel import Run
 
-MOST_HOURGLASS = 0.2  # share above which a result is a checkerboard rather than a deformation
 HISTORY = ("level", "step", "energy", "kinetic", "residual", "restart")
 
 
@@ -37,8 +37,7 @@ def assemble(
     r = level.unscaled(run.state.r)
     fields = zone_fields(grid, sheet, r, relaxed=model.relaxed)
     hourglass = hourglass_share(grid, r)
-    if status is Status.CONVERGED and max(share or 0.0 for share in hourglass.values()) > MOST_HOURGLASS:
-        status = Status.HOURGLASS
+    status, folds = judge(status, grid, r, fields, hourglass)
     history = np.asarray(run.history, dtype=float).reshape(-1, len(HISTORY)).T.copy()
     return Solution(
         method=model.name,
@@ -64,7 +63,7 @@ def assemble(
         history=dict(zip(HISTORY, history, strict=True)),
         hourglass=hourglass,
         stability=stability,
-        warnings=tuple(_warnings(level, run, fields.stretch_major)),
+        warnings=(*_warnings(level, run, fields.stretch_major), *folds),
         levels=tuple(run.done),
         threads=settings.threads,
         seed=problem.seed,

@@ -1,0 +1,59 @@
+"""From the end of the iteration to the status of the run: is the state found a state of the sheet at all?"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fdsolver.grid import Grid
+from fdsolver.result import Status, ZoneFields
+
+MOST_HOURGLASS = 0.2  # share above which a result is a checkerboard rather than a deformation
+MOST_FOLDED = 0.01  # share of zones in folds sharper than the mesh above which the energy has no meaning
+FLAT = 1e-9  # out-of-plane size / L below which a state is planar: there a zone that turns over is inverted
+TAUT = 1e-6  # share of the largest stress below which a zone is slack in all but name, and free to lie as it likes
+
+
+def folded_zones(grid: Grid, r: np.ndarray) -> np.ndarray:
+    """Zones whose normal is turned by more than 90 degrees against that of a zone beside them.
+
+    r : (ni, nj, 3) float64, mm. Returns (zone rows, nj - 1) bool.
+    """
+    far, near = (np.roll(r, -1, axis=0), r) if grid.closed else (r[1:], r[:-1])
+    normal = np.cross(far[:, 1:] - near[:, :-1], near[:, 1:] - far[:, :-1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-300)
+    folded = np.zeros(normal.shape[:2], dtype=bool)
+    across = np.sum(normal[:, 1:] * normal[:, :-1], axis=-1) < 0.0
+    folded[:, 1:] |= across
+    folded[:, :-1] |= across
+    turned = np.sum(np.roll(normal, -1, axis=0) * normal, axis=-1) < 0.0
+    if not grid.closed:
+        turned[-1] = False  # the last row of zones has no next one
+    return folded | turned | np.roll(turned, 1, axis=0)
+
+
+def judge(
+    status: Status, grid: Grid, r: np.ndarray, zone: ZoneFields, hourglass: Mapping[str, float | None]
+) -> tuple[Status, list[str]]:
+    """The status of a run whose iteration ended with `status`, and warnings about folds.
+
+    A converged state is refused where it is mostly a checkerboard (HOURGLASS), where taut zones of a planar state are
+    turned over (ZONE_INVERTED), or where more than 1 % of the zones lie in folds that the mesh cannot show
+    (OUTSIDE_VALIDITY). r : (ni, nj, 3) float64, mm.
+    """
+    folded = folded_zones(grid, r) & (zone.stress_major > TAUT * np.max(zone.stress_major))
+    count, share = int(folded.sum()), float(folded.mean())
+    warnings = []
+    if count:
+        warnings.append(
+            f"{count} zones ({100.0 * share:.2g} %) turn by more than 90 degrees against the zones beside them:"
+            " folds that this mesh cannot show."
+        )
+    if status is not Status.CONVERGED:
+        return status, warnings
+    if max(part or 0.0 for part in hourglass.values()) > MOST_HOURGLASS:
+        return Status.HOURGLASS, warnings
+    if count and np.abs(r[..., 2]).max() < FLAT * grid.length_mm:
+        return Status.ZONE_INVERTED, warnings
+    return (Status.OUTSIDE_VALIDITY if share > MOST_FOLDED else status), warnings

@@ -1,0 +1,86 @@
+"""Converged states that are no states of the sheet are named."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fdsolver.fields import hourglass_share, zone_fields
+from fdsolver.grid import Grid
+from fdsolver.material import Sheet
+from fdsolver.meshes import annulus, rectangle
+from fdsolver.result import Status
+from fdsolver.verdict import folded_zones, judge
+
+SHEET = Sheet(1.0, 0.3, 0.1)
+STRIP = rectangle(100.0, 60.0, 600)
+
+
+def flat(grid: Grid, stretch: float = 1.1) -> np.ndarray:
+    return np.concatenate([stretch * grid.u, np.zeros((grid.ni, grid.nj, 1))], axis=-1)
+
+
+def verdict(grid: Grid, r: np.ndarray, status: Status = Status.CONVERGED) -> tuple[Status, list[str]]:
+    return judge(status, grid, r, zone_fields(grid, SHEET, r, relaxed=False), hourglass_share(grid, r))
+
+
+@pytest.mark.parametrize("grid", [STRIP, annulus(20.0, 60.0, 600)])
+def test_a_stretched_sheet_passes(grid: Grid) -> None:
+    assert verdict(grid, flat(grid)) == (Status.CONVERGED, [])
+
+
+@pytest.mark.parametrize("status", [Status.STALLED, Status.TIME_LIMIT])
+def test_an_unfinished_run_keeps_its_own_status(status: Status) -> None:
+    r = flat(STRIP)
+    r[10, 10, 0] += 15.0
+    assert verdict(STRIP, r, status)[0] is status
+
+
+def test_a_node_drawn_across_its_neighbours_inverts_planar_zones() -> None:
+    r = flat(STRIP)
+    r[10, 10, 0] += 15.0
+    status, warnings = verdict(STRIP, r)
+    assert status is Status.ZONE_INVERTED
+    assert "90 degrees" in warnings[0]
+
+
+def test_a_checkerboard_is_named() -> None:
+    r = flat(STRIP, 1.0 + 1e-6)
+    i, j = np.indices((STRIP.ni, STRIP.nj))
+    r[..., 2] = 0.5 * (-1.0) ** (i + j)
+    assert verdict(STRIP, r)[0] is Status.HOURGLASS
+
+
+def pleated(grid: Grid, lines: slice) -> np.ndarray:
+    """Every second of the mesh lines raised so far that the zones beside it stand steeper than 45 degrees."""
+    r = flat(grid)
+    spacing = r[1, 0, 0] - r[0, 0, 0]
+    r[lines, :, 2] += 1.5 * spacing * (np.arange(grid.ni) % 2)[lines, None]
+    return r
+
+
+def test_a_pleated_sheet_is_outside_validity() -> None:
+    r = pleated(STRIP, slice(5, 15))
+    status, warnings = verdict(STRIP, r)
+    assert status in (Status.OUTSIDE_VALIDITY, Status.HOURGLASS)
+    assert folded_zones(STRIP, r).mean() > 0.25
+    assert warnings
+
+
+def test_one_sharp_fold_is_a_warning() -> None:
+    """One raised line makes two rows of zones stand against each other, less than 1 % of them."""
+    grid = rectangle(1000.0, 60.0, 12000)
+    r = pleated(grid, slice(51, 52))
+    assert folded_zones(grid, r).sum() == 2 * (grid.nj - 1)
+    status, warnings = verdict(grid, r)
+    assert status is Status.CONVERGED
+    assert str(2 * (grid.nj - 1)) in warnings[0]
+
+
+def test_a_fold_across_the_seam_of_a_closed_mesh_is_seen() -> None:
+    grid = annulus(20.0, 60.0, 1200)
+    r = flat(grid)
+    spacing = np.linalg.norm(r[1, -1] - r[0, -1])
+    r[0, :, 2] += 1.5 * spacing
+    folded = folded_zones(grid, r)
+    assert folded[0].all() and folded[-1].all() and folded.sum() == 2 * (grid.nj - 1)
