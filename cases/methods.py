@@ -6,14 +6,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from cases.schema import AnnulusSheet, HoleSheet, Scene
-from fdsolver import meshes
+from cases.boundary import grid_of, problem_of, sheet_of
+from cases.schema import AnnulusSheet, Scene
 from fdsolver.checkpoint import Checkpoint
-from fdsolver.edges import EdgeCondition
-from fdsolver.grid import Grid
-from fdsolver.material import Sheet
 from fdsolver.model import KOITER, MEMBRANE, Model
-from fdsolver.problem import Problem
 from fdsolver.relax import Progress, Settings
 from fdsolver.result import Solution
 
@@ -111,50 +107,6 @@ def methods_of(scene: Scene) -> tuple[str, ...]:
     from cases.exact import has_exact
 
     return tuple(name for name in METHODS if name != "exact" or has_exact(scene))
-
-
-def grid_of(scene: Scene) -> Callable[[int], Grid]:
-    """Node count -> mesh of the scene's sheet."""
-    sheet, bias = scene.sheet, scene.mesh.bias
-    # Without a bias of its own a scene gets the default of its shape.
-    options = {} if bias is None else {"bias": bias}
-
-    def grid(nodes: int) -> Grid:
-        if isinstance(sheet, AnnulusSheet):
-            return meshes.annulus(sheet.inner_radius_mm, sheet.outer_radius_mm, nodes, **options)
-        if isinstance(sheet, HoleSheet):
-            return meshes.rectangle_with_hole(
-                sheet.width_mm, sheet.height_mm, sheet.hole_radius_mm, nodes, **options
-            )
-        return meshes.rectangle(sheet.width_mm, sheet.height_mm, nodes, **options)
-
-    return grid
-
-
-def sheet_of(scene: Scene) -> Sheet:
-    """Material and thickness of a scene."""
-    return Sheet(scene.material.young_MPa, scene.material.poisson, scene.sheet.thickness_mm)
-
-
-def edges_of(scene: Scene) -> dict[str, EdgeCondition]:
-    """Edge conditions of a scene."""
-    return {
-        name: EdgeCondition(edge.support, edge.move_mm, edge.rotate_deg, edge.grow_mm)
-        for name, edge in scene.edges.items()
-    }
-
-
-def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
-    """The boundary-value problem of a scene.
-
-    Only a plate needs the random start: the membranes have no wrinkles to find, and a plane one stays exactly
-    plane without it.
-    """
-    make = grid_of(scene)
-    perturbation = scene.start.perturbation if model.bending else 0.0
-    return Problem(
-        sheet_of(scene), edges_of(scene), make(scene.mesh.nodes), make, perturbation=perturbation, seed=seed
-    )
 
 
 def _relaxed_by(model: Model, task: Task) -> Solution:

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cases.halfwaves import half_waves, smallest_wavelength_ratio
 from cases.lattice import Lattice, Places, node_lattice, zone_centres, zone_lattice
 from cases.schema import Line
-from cases.waves import Measures, half_waves, measure, smallest_wavelength_ratio
+from cases.waves import Measures, measure
 from fdsolver.grid import Grid
 from fdsolver.result import Solution, ZoneFields
 

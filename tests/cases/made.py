@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
+from cases.methods import Task
 from fdsolver.fields import zone_fields
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.result import Reaction, Solution, Status
 
 SHEET = Sheet(3500.0, 0.31, 0.025)
+
+
+class Fake(Protocol):
+    """The fixture `faked`: put a function in the place of a solver."""
+
+    def __call__(self, solve: Callable[[Task], Solution], name: str = "tension-field") -> None: ...
 
 
 def made_solution(
@@ -52,3 +60,17 @@ def made_solution(
         threads=1,
         seed=7,
     )
+
+
+def assert_same(first: Solution, second: Solution) -> None:
+    """Equal in every bit that a folder stores."""
+    assert first.r.tobytes() == second.r.tobytes()
+    for name in ("stretch_major", "stretch_minor", "stress_major", "stress_minor", "state"):
+        assert np.array_equal(getattr(first.zone, name), getattr(second.zone, name))
+    for name in ("method", "status", "message", "steps", "force_evaluations", "residual", "warnings", "seed"):
+        assert getattr(first, name) == getattr(second, name), name
+    assert dict(first.energy_N_mm) == dict(second.energy_N_mm)
+    assert set(first.reactions) == set(second.reactions)
+    for edge, reaction in first.reactions.items():
+        assert np.array_equal(reaction.force_N, second.reactions[edge].force_N)
+        assert np.array_equal(reaction.moment_N_mm, second.reactions[edge].moment_N_mm)

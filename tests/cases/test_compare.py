@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from cases.methods import METHODS, MethodError, Task
 from cases.results import Probes, probe
 from fdsolver import meshes
 from fdsolver.result import Reaction, Solution, Status
-from tests.cases.made import made_solution
+from tests.cases.made import Fake, made_solution
 
 S = np.linspace(0.0, 10.0, 501)
 
@@ -141,26 +140,13 @@ def test_the_folder_has_a_result_per_method_and_both_tables(annulus: tuple) -> N
     assert document["refused"] == dict(found.refused)
 
 
-Fake = Callable[[str, Callable[[Task], Solution]], None]
-
-
-@pytest.fixture(name="faked")
-def _faked(monkeypatch: pytest.MonkeyPatch) -> Fake:
-    """Put a function in the place of a solver."""
-
-    def fake(name: str, solve: Callable[[Task], Solution]) -> None:
-        monkeypatch.setitem(METHODS, name, replace(METHODS[name], solve=solve))
-
-    return fake
-
-
 def test_a_second_comparison_solves_nothing_again(annulus: tuple, faked: Fake) -> None:
     def never(_: Task) -> Solution:
         raise AssertionError("this must not be solved again")
 
     found, out = annulus
     for name in ("tension-field", "exact"):
-        faked(name, never)
+        faked(never, name)
     again = compare(load_scene("annulus"), ["tension-field", "exact"], nodes=2000, out=out)
     pd.testing.assert_frame_equal(again.differences, found.differences)
     # seconds are those of the stored runs
@@ -169,7 +155,7 @@ def test_a_second_comparison_solves_nothing_again(annulus: tuple, faked: Fake) -
 
 def test_an_interrupted_method_ends_the_comparison(faked: Fake, tmp_path: Path) -> None:
     solution = made_solution(meshes.rectangle(100.0, 50.0, 400))
-    faked("tension-field", lambda task: replace(solution, status=Status.INTERRUPTED))
+    faked(lambda task: replace(solution, status=Status.INTERRUPTED))
     with pytest.raises(KeyboardInterrupt):
         compare(load_scene("strip-tension"), ["exact", "tension-field"], nodes=400, out=tmp_path / "out")
     assert load_result(tmp_path / "out" / "exact").method == "exact"
@@ -186,7 +172,7 @@ def test_no_method_at_all_is_refused() -> None:
 def test_without_names_all_methods_of_the_scene_are_run(faked: Fake) -> None:
     for name in METHODS:
         solution = replace(made_solution(meshes.rectangle(100.0, 50.0, 400)), method=name)
-        faked(name, lambda task, solution=solution: solution)
+        faked(lambda task, solution=solution: solution, name)
     assert set(compare(load_scene("strip-tension"), nodes=400).solutions) == set(METHODS)
     assert set(compare(load_scene("stretch"), nodes=400).solutions) == set(METHODS) - {"exact"}
 
@@ -194,7 +180,7 @@ def test_without_names_all_methods_of_the_scene_are_run(faked: Fake) -> None:
 def test_the_reference_is_the_closed_form_then_the_tension_field_then_the_plate(faked: Fake) -> None:
     for name in METHODS:
         solution = replace(made_solution(meshes.rectangle(100.0, 50.0, 400)), method=name)
-        faked(name, lambda task, solution=solution: solution)
+        faked(lambda task, solution=solution: solution, name)
     scene = load_scene("strip-tension")
     for names, reference in (
         (["membrane", "koiter", "tension-field", "exact"], "exact"),
@@ -237,7 +223,7 @@ def test_a_method_whose_positions_are_not_finite_is_compared_as_far_as_possible(
             reactions={"left": nothing},
         )
 
-    faked("tension-field", broken)
+    faked(broken)
     found = compare(load_scene("strip-tension"), ["exact", "tension-field"], nodes=400)
     assert list(found.table["status"]) == ["converged", "not_finite"]
     assert not found.differences["quantity"].str.contains("stretch").any()

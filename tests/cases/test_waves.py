@@ -7,14 +7,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from cases.waves import (
-    count_half_waves,
-    half_waves,
-    measure,
-    noise,
-    smallest_wavelength_ratio,
-    turning_points,
-)
+from cases.halfwaves import half_waves, noise, smallest_wavelength_ratio, turning_points
+from cases.waves import count_half_waves, measure
 
 S = np.linspace(0.0, 100.0, 2001)
 # Positions of zeros come from linear interpolation between samples: far below 1e-3 of a wave of 100 samples.

@@ -1,0 +1,57 @@
+"""From a scene to the solvers' types: sheet, mesh, edge conditions, boundary-value problem."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from cases.schema import AnnulusSheet, HoleSheet, Scene
+from fdsolver import meshes
+from fdsolver.edges import EdgeCondition
+from fdsolver.grid import Grid
+from fdsolver.material import Sheet
+from fdsolver.model import Model
+from fdsolver.problem import Problem
+
+
+def grid_of(scene: Scene) -> Callable[[int], Grid]:
+    """Node count -> mesh of the scene's sheet."""
+    sheet, bias = scene.sheet, scene.mesh.bias
+    # Without a bias of its own a scene gets the default of its shape.
+    options = {} if bias is None else {"bias": bias}
+
+    def grid(nodes: int) -> Grid:
+        if isinstance(sheet, AnnulusSheet):
+            return meshes.annulus(sheet.inner_radius_mm, sheet.outer_radius_mm, nodes, **options)
+        if isinstance(sheet, HoleSheet):
+            return meshes.rectangle_with_hole(
+                sheet.width_mm, sheet.height_mm, sheet.hole_radius_mm, nodes, **options
+            )
+        return meshes.rectangle(sheet.width_mm, sheet.height_mm, nodes, **options)
+
+    return grid
+
+
+def sheet_of(scene: Scene) -> Sheet:
+    """Material and thickness of a scene."""
+    return Sheet(scene.material.young_MPa, scene.material.poisson, scene.sheet.thickness_mm)
+
+
+def edges_of(scene: Scene) -> dict[str, EdgeCondition]:
+    """Edge conditions of a scene."""
+    return {
+        name: EdgeCondition(edge.support, edge.move_mm, edge.rotate_deg, edge.grow_mm)
+        for name, edge in scene.edges.items()
+    }
+
+
+def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
+    """The boundary-value problem of a scene.
+
+    Only a plate needs the random start: the membranes have no wrinkles to find, and a plane one stays exactly
+    plane without it.
+    """
+    make = grid_of(scene)
+    perturbation = scene.start.perturbation if model.bending else 0.0
+    return Problem(
+        sheet_of(scene), edges_of(scene), make(scene.mesh.nodes), make, perturbation=perturbation, seed=seed
+    )
