@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import time
+import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -12,7 +14,9 @@ from cases.read import LARGEST_FILE
 from cases.scene import SceneError, load_scene
 from cases.schema import Edge, Line
 from cases.validate import SINGLE, AnySheetKeys, Heading, allowed, fields_of
-from tests.inputs.wrong_scenes import WRONG_SCENES
+
+TABLE = tomllib.loads(Path(__file__).with_name("wrong_scenes.toml").read_text(encoding="utf-8"))["scene"]
+WRONG_SCENES = [pytest.param(row["text"], row["sentences"], id=row["name"]) for row in TABLE]
 
 
 def sentences(source, overrides=()):
@@ -28,17 +32,13 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"), [row[1:] for row in WRONG_SCENES], ids=[row[0] for row in WRONG_SCENES]
-)
+@pytest.mark.parametrize(("text", "expected"), WRONG_SCENES)
 def test_wrong_scene_earns_its_sentences(here, text, expected):
     (here / "wrong.toml").write_text(text)
     assert sentences("wrong.toml") == [f"wrong.toml: {sentence}" for sentence in expected]
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"), [row[1:] for row in WRONG_SCENES[::5]], ids=[row[0] for row in WRONG_SCENES[::5]]
-)
+@pytest.mark.parametrize(("text", "expected"), WRONG_SCENES[::5])
 def test_wrong_scene_exits_2_and_writes_nothing(here, capsys, text, expected):
     (here / "wrong.toml").write_text(text)
     assert main(["run", "wrong.toml", "--method", "tension-field"]) == 2
