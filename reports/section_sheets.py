@@ -29,8 +29,8 @@ STRIP_LOADS = {
 }
 WHAT = {
     "annulus-lift": "The inner circle is lifted only: nothing wrinkles, and all methods must agree.",
-    "annulus-twist": "The inner circle is turned only: the relaxed sheet stays plane, the plate wrinkles.",
-    "annulus-shrink": "The inner circle is pulled inward: radial wrinkles around it.",
+    "annulus-twist": "The inner circle is turned only: the relaxed sheet stays plane, a plate of 0.5 mm wrinkles.",
+    "annulus-shrink": "The inner circle is pulled inward: radial wrinkles in a plate of 0.5 mm.",
     "strip-tension": "A strip in homogeneous tension: one number for the whole sheet.",
     "shear-rails": "A sheet between rails, sheared: a homogeneous tension field away from its free ends.",
 }
