@@ -78,7 +78,9 @@ def node_steps_per_second(model: Model, grid: Grid, threads: int, seconds: float
         r[:], v[:] = start, 0.0
         began = time.perf_counter()
         level.force(r, f)
-        damping.advance(level.force, r, v, mass, inverse, f, old, ("adaptive", 0.0), 0.0, 0, BLOCK, CAP)
+        damping.advance(
+            level.force, r, v, mass, inverse, f, old, ("adaptive", 0.0), 0.0, 0, False, BLOCK, CAP
+        )
         ended = time.perf_counter()
         if until == np.inf:
             until = ended + seconds  # the first block compiles

@@ -3,7 +3,8 @@
 adaptive : viscous, c = 2 omega with omega^2 the Rayleigh quotient of the motion, measured once a block. Where the
     quotient is negative the motion runs down from an unstable state, and is not damped at all.
 kinetic : no viscosity; at a peak of kinetic energy go back to r(n) and restart from rest with the half kick [70], at
-    least `APART` steps after the last restart.
+    least `APART` steps after the last restart. A fall that is not the end of a rise does not count: restarts at a
+    fixed distance never stop the modes for which it is half a period.
 kinetic-published : restart at every peak of the kinetic energy [72] from the estimate [73].
 viscous : constant c = 2 omega of the longest wave that fits the mesh.
 """
@@ -33,9 +34,9 @@ def rule(name: str, nodes_across: int) -> tuple[str, float]:
 
 @compiled
 def step(r, v, inverse_mass, f, viscosity, cap, kick):
-    """One step of [68] with unit time step, kick = 1/2 from rest [70] and 1 otherwise.
+    """One step of [68] with unit time step; the first from rest [70] has kick = 1/2 and no viscosity, others kick = 1.
 
-    r, v, f : (3, nodes). inverse_mass : (6, nodes), xx yy zz xy xz yz. cap : largest velocity component.
+    r, v, f : (3, nodes). inverse_mass : (6, nodes), xx yy zz xy xz yz. cap : largest speed of a node.
     Returns the power (v_old + v_new) . f / 2 at the positions r(n).
     """
     keep, gain = (2.0 - viscosity) / (2.0 + viscosity), kick * 2.0 / (2.0 + viscosity)
@@ -46,7 +47,10 @@ def step(r, v, inverse_mass, f, viscosity, cap, kick):
         vx = keep * v[0, k] + gain * (inverse_mass[0, k] * fx + xy * fy + xz * fz)
         vy = keep * v[1, k] + gain * (xy * fx + inverse_mass[1, k] * fy + yz * fz)
         vz = keep * v[2, k] + gain * (xz * fx + yz * fy + inverse_mass[2, k] * fz)
-        vx, vy, vz = min(max(vx, -cap), cap), min(max(vy, -cap), cap), min(max(vz, -cap), cap)
+        speed = vx * vx + vy * vy + vz * vz
+        if speed > cap * cap:
+            slower = cap / np.sqrt(speed)
+            vx, vy, vz = slower * vx, slower * vy, slower * vz
         power += 0.5 * ((v[0, k] + vx) * fx + (v[1, k] + vy) * fy + (v[2, k] + vz) * fz)
         v[0, k], v[1, k], v[2, k] = vx, vy, vz
         r[0, k] += vx
@@ -83,13 +87,11 @@ def times(mass, v):
     return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
 
 
-def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_restart, steps, cap):
+def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_restart, rising, steps, cap):
     """Advance r and v in place by `steps` steps under a damping rule; f holds the force at r on entry.
 
-    r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj).
-
-    Returns the number of restarts, the viscosity
-    and the steps since the last restart.
+    r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj). rising : whether the last step
+    added kinetic energy. Returns the number of restarts, the viscosity, the steps since the last restart and `rising`.
     """
     name, constant = rule
     kinetic = name.startswith("kinetic")
@@ -107,15 +109,16 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
                 inertia = twice_kinetic(flat[1], mass.reshape(6, nodes))
                 quotient = twice_work(flat[1], before, flat[3]) / inertia if inertia > 0.0 else 0.0
                 viscosity = min(2.0 * math.sqrt(max(quotient, 0.0)), LARGEST_VISCOSITY)
-        power = step(*flat[:4], viscosity, cap, 0.5 if since_restart == 0 else 1.0)
+        power = step(*flat[:4], *((0.0, cap, 0.5) if since_restart == 0 else (viscosity, cap, 1.0)))
         since_restart += 1
+        peak, rising = rising and power < 0.0, power >= 0.0
         if name == "kinetic-published" and power < 0.0:
             r -= 1.5 * v - 0.5 * times(inverse_mass, f)
             v[:] = 0.0
             restarts, since_restart = restarts + 1, 0
-        elif name == "kinetic" and power < 0.0 and since_restart > APART:
+        elif name == "kinetic" and peak and since_restart > APART:
             r -= v
             v[:] = 0.5 * times(inverse_mass, f)
             r += v
-            restarts, since_restart = restarts + 1, 1
-    return restarts, viscosity, since_restart
+            restarts, since_restart, rising = restarts + 1, 1, True
+    return restarts, viscosity, since_restart, rising

@@ -84,6 +84,7 @@ class State:
     evaluations: int = 0
     viscosity: float = 0.0
     since_restart: int = 0
+    rising: bool = False  # whether the last step added kinetic energy
     mass_factor: float = 1.0
     total_energy: float = np.inf
     recoveries: int = 0
@@ -181,7 +182,7 @@ def relax(
                 _set_masses(force, free, state, settings.mass)
             if status is not None:
                 return status
-            restarts, state.viscosity, state.since_restart = damping.advance(
+            restarts, state.viscosity, state.since_restart, state.rising = damping.advance(
                 force,
                 state.r,
                 state.v,
@@ -192,6 +193,7 @@ def relax(
                 rule,
                 state.viscosity,
                 state.since_restart,
+                state.rising,
                 BLOCK,
                 CAP,
             )
