@@ -10,7 +10,10 @@ import hashlib
 import os
 from pathlib import Path
 
-PACKAGES = ("fdsolver", "tensionfield")  # by name only: a law of tensionfield is compiled into the kernels of fdsolver
+PACKAGES = (
+    "fdsolver",
+    "tensionfield",
+)  # by name only: a law of tensionfield is compiled into the kernels of fdsolver
 
 
 def folder() -> Path:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
+
 import numpy as np
 
+from fdsolver.axisymmetry import is_axisymmetric, mean_round
 from fdsolver.effects import Force, build_force
 from fdsolver.grid import Grid
 from fdsolver.model import Model
@@ -11,12 +15,15 @@ from fdsolver.problem import Problem
 from fdsolver.start import fixed_nodes, perturb, smooth_start
 from fdsolver.transfer import prolong
 
+Projection = Callable[[np.ndarray], np.ndarray]
+
 
 class Level:
     """A problem on one mesh, in the engine's scaled units.
 
     fixed : (ni, nj) bool, supported nodes.
     weight : (ni, nj) float64, L / L_n at free nodes and 0 at fixed ones (`relax.residual`).
+    project : what keeps forces to the problem's symmetry, or None.
     """
 
     def __init__(self, problem: Problem, model: Model, grid: Grid, threads: int) -> None:
@@ -26,6 +33,9 @@ class Level:
         self.fixed = fixed_nodes(grid, problem.edges)
         supports = {name: condition.support for name, condition in problem.edges.items()}
         self.force: Force = build_force(grid, problem.sheet, model, supports, threads)
+        self.project: Projection | None = None
+        if is_axisymmetric(problem, model):
+            self.project = functools.partial(mean_round, grid)
         self.weight = ~self.fixed * (grid.length_mm / np.sqrt(grid.node_area))
 
     @property

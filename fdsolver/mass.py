@@ -4,7 +4,7 @@ The mass in dynamic relaxation is free, only equilibria matter; the nearer it is
 A node gets a symmetric 3 x 3 mass, because a thin sheet is stiff along its tensions and soft across them. A zone's
 energy changes by at most A tr(dF^T B dF) / 2 with
 
-    tense       B = M l_1^2 (1 - n (x) n) + s_1 1,     M = 1 / (1 - nu^2), s_1 the largest stress / Y,
+    tense       B = M l_1^2 (1 - n (x) n) + s_1 1,     M = 1 / (1 - nu^2), s_1 the largest size of a stress / Y,
     wrinkled    B = l_1^2 m (x) m + s_1 1,             m the direction of tension (relaxed laws only),
 
 since the strain changes by sym F^T dF, which sees no motion along the normal n. With dF = d1 (x) g1 + d2 (x) g2 and
@@ -59,7 +59,9 @@ def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, sti
             largest, smallest, cosine, sine = _principal(c11, c22, c12)
             s11, s22, s12, _ = stress(law, 0.5 * (c11 - 1.0), 0.5 * (c22 - 1.0), 0.5 * c12)
             turn = ((f - g) ** 2).sum()
-            tension = max(_principal(s11, s22, s12)[0], 0.0) + floor + TURN * turn
+            most, least, _, _ = _principal(s11, s22, s12)
+            # Compression counts as well: what it makes unstable must grow slowly, over many steps.
+            tension = max(abs(most), abs(least)) + floor + TURN * turn
             b11, b22 = g[0, 0] ** 2 + g[1, 0] ** 2 + g[2, 0] ** 2, g[0, 1] ** 2 + g[1, 1] ** 2 + g[2, 1] ** 2
             b12 = g[0, 0] * g[0, 1] + g[1, 0] * g[1, 1] + g[2, 0] * g[2, 1]
             next_largest, next_smallest, _, _ = _principal(b11, b22, b12)

@@ -142,7 +142,7 @@ def solve(
     saved = checkpoint.load() if checkpoint is not None else None
     run = Run.from_arrays(saved) if saved is not None else None
     at = run.level if run is not None else 0
-    level = Level(_on_mesh(problem, grids[at], settings), model, grids[at], settings.threads)
+    level = Level(_on_mesh(problem, model, grids[at], settings), model, grids[at], settings.threads)
     if run is None:
         run = Run(begin(level.start()))
     while True:
@@ -160,14 +160,14 @@ def solve(
             break
         run.level += 1
         grid = grids[run.level]
-        coarse, level = level, Level(_on_mesh(problem, grid, settings), model, grid, settings.threads)
+        coarse, level = level, Level(_on_mesh(problem, model, grid, settings), model, grid, settings.threads)
         run.state = begin(level.start_from(coarse, run.state.r))
     return assemble(model, settings, level, status, stability, run, seconds_compile)
 
 
-def _on_mesh(problem: Problem, grid: Grid, settings: Settings) -> Problem:
+def _on_mesh(problem: Problem, model: Model, grid: Grid, settings: Settings) -> Problem:
     """The problem as it is solved on one of the nested meshes (see `Settings.thicken`)."""
-    if not settings.thicken:
+    if not (settings.thicken and model.bending):
         return problem
     thickness = problem.sheet.thickness_mm * problem.grid.nodes / grid.nodes
     return replace(problem, sheet=replace(problem.sheet, thickness_mm=thickness))

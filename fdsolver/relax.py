@@ -23,11 +23,18 @@ from fdsolver.rows import compiled
 
 BLOCK = 10  # steps between two looks at residual and energy
 MASS_EVERY = 10  # blocks between two updates of the masses
-CAP = 5e-4  # largest velocity, lengths L per step: sharp folds form slowly enough to keep zones upright
+CAP = (
+    5e-4  # largest speed of a node, lengths L per step: sharp folds form slowly enough to keep zones upright
+)
 GROWTH = 1.02  # a strain energy above this share of the last total energy is an unstable step
 HEAVIER = 1.5  # factor on all masses at each recovery
 RECOVERIES = 12  # before the run is given up
 STALL_STEPS = 20000  # without a lower residual before the masses are raised, and again before giving up
+
+
+Evaluate = Callable[
+    [np.ndarray, np.ndarray], np.ndarray
+]  # writes the force at r into f, returns the energies
 
 
 @dataclass(frozen=True)
@@ -161,29 +168,32 @@ def relax(
     state: State,
     settings: Settings,
     on_block: Callable[[State], None] | None = None,
+    project: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Status:
     """Relax `state` in place until its residual is below the tolerance or a limit is met.
 
     free : (ni, nj) bool. weight : (ni, nj) float64, see `residual`.
     on_block : called between blocks with the state as it will be continued (progress, checkpoints).
+    project : keeps forces (3, ni, nj) to a symmetry (`axisymmetry`), and with them a start that has it.
 
     Returns the Status. On KeyboardInterrupt, from `on_block` too, INTERRUPTED is returned and the state is put back to
     where the present block began, so that a run continued from it repeats that block and makes the same bits.
     """
     f, old = np.zeros_like(state.r), np.zeros_like(state.r)
+    evaluate = force if project is None else _projected(force, project)
     rule = damping.rule(settings.damping, max(state.r.shape[1:]))
     kept = _keep(state)
     try:
         while True:
             kept, started = _keep(state), time.perf_counter()
-            status = _look(force, weight, state, settings, f)
+            status = _look(evaluate, weight, state, settings, f)
             masses_due = (len(state.history) - 1) % MASS_EVERY == 0
             if masses_due and status in (None, Status.CONVERGED):
                 _set_masses(force, free, state, settings.mass)
             if status is not None:
                 return status
             restarts, state.viscosity, state.since_restart, state.rising = damping.advance(
-                force,
+                evaluate,
                 state.r,
                 state.v,
                 state.mass,
@@ -208,6 +218,17 @@ def relax(
         return Status.INTERRUPTED
 
 
+def _projected(force: Evaluate, project: Callable[[np.ndarray], np.ndarray]) -> Evaluate:
+    """The force without its part that breaks the symmetry."""
+
+    def evaluate(r: np.ndarray, f: np.ndarray) -> np.ndarray:
+        energy = force(r, f)
+        f[:] = project(f)
+        return energy
+
+    return evaluate
+
+
 def _keep(state: State) -> tuple[dict, int]:
     """What `_put_back` needs: all values (positions and velocities change in place) and the rows of the history."""
     return {**vars(state), "r": state.r.copy(), "v": state.v.copy()}, len(state.history)
@@ -219,7 +240,9 @@ def _put_back(state: State, kept: tuple[dict, int]) -> None:
     del state.history[kept[1] :]
 
 
-def _look(force: Force, weight: np.ndarray, state: State, settings: Settings, f: np.ndarray) -> Status | None:
+def _look(
+    force: Evaluate, weight: np.ndarray, state: State, settings: Settings, f: np.ndarray
+) -> Status | None:
     """Evaluate the force, record the state, and decide: end (a Status), go back with heavier masses, or go on."""
     energy = float(force(state.r, f).sum())
     nodes = weight.size
@@ -250,7 +273,7 @@ def _look(force: Force, weight: np.ndarray, state: State, settings: Settings, f:
     return Status.TIME_LIMIT if state.seconds > settings.max_seconds else None
 
 
-def _recover(force: Force, state: State, f: np.ndarray, finite: bool) -> Status | None:
+def _recover(force: Evaluate, state: State, f: np.ndarray, finite: bool) -> Status | None:
     """Go back to the last sound state, at rest and with heavier masses; give up after `RECOVERIES` times."""
     state.recoveries += 1
     if state.recoveries > RECOVERIES:

@@ -136,7 +136,7 @@ def relax_to_stable(
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
-        status = relax(level.force, ~level.fixed, level.weight, state, settings, on_block)
+        status = relax(level.force, ~level.fixed, level.weight, state, settings, on_block, level.project)
         if level.model.relaxed:
             return status, {"stable": True, "how": CONVEX, "lowest": None}
         if status is not Status.CONVERGED:

@@ -12,7 +12,9 @@ import pytest
 from fdsolver import compile_cache
 
 
-def test_an_edit_of_any_kernel_source_moves_the_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_edit_of_any_kernel_source_moves_the_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for package in compile_cache.PACKAGES:
         (tmp_path / package).mkdir()
         (tmp_path / package / "kernel.py").write_text("one = 1\n")
@@ -34,6 +36,8 @@ def test_numba_uses_the_cache_unless_told_otherwise(given: str | None, tmp_path:
         environment["NUMBA_CACHE_DIR"] = str(tmp_path / given)
     code = "import fdsolver, numba; print(numba.config.CACHE_DIR)"
     root = Path(compile_cache.__file__).parent.parent
-    run = subprocess.run([sys.executable, "-c", code], env=environment, cwd=root, capture_output=True, text=True)
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=environment, cwd=root, capture_output=True, text=True
+    )
     expected = tmp_path / given if given else tmp_path / "wrinklebench" / compile_cache.folder().name
     assert run.stdout.strip() == str(expected), run.stderr
