@@ -117,7 +117,7 @@ def _uniform_zone(gradient: np.ndarray, sheet: Sheet, shape: tuple[int, ...]) ->
 
 
 def _relaxed_stress(gradient: np.ndarray, sheet: Sheet) -> np.ndarray:
-    """2nd Piola stress (2, 2) MPa of the relaxed membrane (MODEL section 2) for a deformation gradient (3,
+    """2nd Piola stress (2, 2) MPa of the relaxed membrane (Pipkin 1986) for a deformation gradient (3,
     2).
     """
     strain, directions = np.linalg.eigh(0.5 * (gradient.T @ gradient - np.eye(2)))

@@ -1,4 +1,4 @@
-"""The methods: what each solves for, its defaults, and how it is called for a scene (DESIGN section 2)."""
+"""The methods: what each solves for, its defaults, and how it is called for a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Result folders: everything that a solve leaves behind, and how it is read back (DESIGN section 4)."""
+"""Result folders: everything that a solve leaves behind, and how it is read back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenes: load, check, write back, identify (DESIGN section 3)."""
+"""Scenes: load, check, write back, identify."""
 
 from __future__ import annotations
 

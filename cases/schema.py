@@ -1,4 +1,4 @@
-"""The keys of a scene file, their types, ranges and defaults (DESIGN section 3).
+"""The keys of a scene file, their types, ranges and defaults.
 
 The `description` of a field completes the sentence "KEY must be ..." that a user reads.
 """

@@ -1,4 +1,4 @@
-"""Constants of the conservative bending scheme on curvilinear meshes (MODEL section 1, energy of Eq. 24).
+"""Constants of the conservative bending scheme on curvilinear meshes (energy of Eq. 24).
 
 Curvatures are measured in index coordinates, with unit spacing in both mesh directions:
 

@@ -1,4 +1,4 @@
-"""Edge conditions: free, pinned or clamped; where supported edges go (MODEL section 1, Eq. 33 of the paper)."""
+"""Edge conditions: free, pinned or clamped; where supported edges go (Eq. 33 of the paper)."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def principal_strains(gradient: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def zone_state(major: np.ndarray, minor: np.ndarray, poisson: float) -> np.ndarray:
-    """Slack, wrinkled or tense (0, 1, 2; int8) from the principal Green strains (MODEL section 2)."""
+    """Slack, wrinkled or tense (0, 1, 2; int8) from the principal Green strains (Pipkin 1986)."""
     wrinkled = np.where(minor + poisson * major > 0.0, TENSE, WRINKLED)
     return np.where(major > 0.0, wrinkled, SLACK).astype(np.int8)
 

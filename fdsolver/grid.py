@@ -1,7 +1,7 @@
 """Logically rectangular meshes: node positions, zone and node areas, quality, and what is refused.
 
 A zone (i, j) has the corners a = (i, j), b = (i+1, j), c = (i+1, j+1), d = (i, j+1), counter-clockwise. Zone
-areas are those of the Green's-theorem differences (MODEL section 3; Taylor et al. 2014, Eq. 58). The meshes
+areas are those of the Green's-theorem differences (Taylor et al. 2014, Eq. 58). The meshes
 of the three shapes are made in `fdsolver.meshes`.
 """
 

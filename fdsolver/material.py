@@ -1,4 +1,4 @@
-"""The sheet: an isotropic, uniform plate in plane stress (MODEL section 1; Taylor et al. 2014, Eqs. 24, 34, 36)."""
+"""The sheet: an isotropic, uniform plate in plane stress (Taylor et al. 2014, Eqs. 24, 34, 36)."""
 
 from __future__ import annotations
 
@@ -46,5 +46,5 @@ class Sheet:
 
     @property
     def natural_width_limit(self) -> float:
-        """Largest stretch with a natural width, sqrt(1 + 1/nu) (MODEL section 2); infinite for nu <= 0."""
+        """Largest stretch with a natural width, sqrt(1 + 1/nu) (Pipkin 1986); infinite for nu <= 0."""
         return math.sqrt(1.0 + 1.0 / self.poisson) if self.poisson > 0.0 else math.inf

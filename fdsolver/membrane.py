@@ -1,4 +1,4 @@
-"""Kernel of the membrane: zone gradient, strain, stress, nodal force and energy (paper Eqs. 52-58; MODEL section 3).
+"""Kernel of the membrane: zone gradient, strain, stress, nodal force and energy (paper Eqs. 52-58).
 
 With d1 = r_c - r_a and d2 = r_d - r_b of a zone, the zone gradient [57] is F = d1 (x) g1 + d2 (x) g2, where
 g1 = (q_2, -q_1) / 2A and g2 = (-p_2, p_1) / 2A are constants of the mesh. The force of the zone on its diagonals is

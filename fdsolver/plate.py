@@ -9,7 +9,7 @@ normal of d1 x d2; b3 is the mean of b12 over the zones of a node. The energy is
 
 with the constants K, C33 of `curvature`. The force is its exact negative gradient: with the moments m = K b,
 dE = m1 n . d(s1) + m2 n . d(s2) + a . d(t1 x t2), a = (m1 s1 + m2 s2 - n (m1 b1 + m2 b2)) / |t1 x t2|; the last term is
-the strain-gradient effect, which comes from the variation of the normal (MODEL section 1).
+the strain-gradient effect, which comes from the variation of the normal (Eq. 35).
 
 Zone gradients do not see an in-plane checkerboard, and where free edges leave it loose it grows until nodes fall
 together. So each zone also carries k (|g|^2 - b12^2) / 2 with g = s - F (u_c - u_b - u_d + u_a) and

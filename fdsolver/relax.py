@@ -1,4 +1,4 @@
-"""Dynamic relaxation: the only iteration loop of the plate and the membrane (paper section 3.2; MODEL section 4).
+"""Dynamic relaxation: the only iteration loop of the plate and the membrane (paper section 3.2).
 
 Explicit central differences [67-68] of m a + c v = f with a unit time step and masses of our choosing. The loop works
 in blocks of `BLOCK` steps. A block begins with a look at the state: is the force below the tolerance, is everything

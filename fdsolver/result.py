@@ -59,7 +59,7 @@ class ZoneFields:
 
     stretch_major, stretch_minor : principal stretches l_1 >= l_2, dimensionless.
     stress_major, stress_minor : principal 2nd Piola stresses, MPa.
-    state : int8, 0 slack, 1 wrinkled, 2 tense (MODEL section 2), whatever the method.
+    state : int8, 0 slack, 1 wrinkled, 2 tense (Pipkin 1986), whatever the method.
     """
 
     stretch_major: np.ndarray

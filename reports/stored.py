@@ -24,7 +24,7 @@ def refusal_path(folder: Path) -> Path:
 
 @dataclass(frozen=True)
 class Stored:
-    """One result folder (DESIGN section 4), read piece by piece when asked for.
+    """One result folder, read piece by piece when asked for.
 
     run : what was to be solved.  folder : where its result is.
     """

@@ -5,7 +5,7 @@ event-split shooting of the first-order system in the momenta (`annulus_shooting
 of the second-order equations in the displacements with moving band limits (`annulus_collocation`).
 
 Inside a wrinkled band the tension lines are straight, and the major stretch l follows from two constants
-(Taylor, Bertoldi & Steigmann 2014, section 4.4; MODEL section 6):
+(Taylor, Bertoldi & Steigmann 2014, section 4.4; Steigmann 1990):
 
     R^2 = C^2 / f(l)^2 + t^2 / l^2,   f(l) = l (l^2 - 1) / 2,   R f cos(alpha) = C,   R l sin(alpha) = t,
 

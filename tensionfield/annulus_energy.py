@@ -1,4 +1,4 @@
-"""Relaxed membrane energy of an axisymmetric annulus in its line derivatives (MODEL section 2).
+"""Relaxed membrane energy of an axisymmetric annulus in its line derivatives (Pipkin 1986).
 
 In the frame that turns with the deformed angle, the deformation gradient of r(R), phi(R), z(R) has the radial
 column (r', r phi', z') and the hoop column (0, r / R, 0). `line` below is the array of these four numbers,

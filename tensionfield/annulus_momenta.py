@@ -7,7 +7,7 @@ Young's modulus:
 - tense: with s = S11, a = (P_r / s, P_phi / (s + mu b^2), P_z / s), where s is the root of
   2 (1 - nu^2) s = |a|^2 - 1 + nu (b^2 - 1);
 - wrinkled: P = f(l) cos(alpha) m and b m_phi = l sin(alpha), so with C = R |P|, t = r m_phi and e = l^2 - 1
-  the law R^2 = C^2 / f(l)^2 + t^2 / l^2 of MODEL section 6 is the cubic R^2 e^3 + (R^2 - t^2) e^2 - 4 C^2 =
+  the law R^2 = C^2 / f(l)^2 + t^2 / l^2 of Steigmann 1990 is the cubic R^2 e^3 + (R^2 - t^2) e^2 - 4 C^2 =
   0.
 
 Both equations are convex and monotone on one side of their only root with positive tension; Newton's method

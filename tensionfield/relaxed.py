@@ -1,4 +1,4 @@
-"""Pipkin's relaxed membrane energy: tense, wrinkled or slack (MODEL section 2; Pipkin 1986).
+"""Pipkin's relaxed membrane energy: tense, wrinkled or slack (Pipkin 1986).
 
 With the principal Green strains E1 >= E2 and <x> = max(x, 0), scaled by Young's modulus,
 

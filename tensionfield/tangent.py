@@ -1,4 +1,4 @@
-"""The relaxed law on arrays: principal stresses and the tangent dS/dE (MODEL section 2), for checks and linear algebra.
+"""The relaxed law on arrays: principal stresses and the tangent dS/dE (Pipkin 1986), for checks and linear algebra.
 
 The kernels use the compiled law of `relaxed`; this is the same law written by states instead of by <x> = max(x, 0).
 """

@@ -1,6 +1,6 @@
 """Membrane and bending energy as plain array formulas: slow, independent of the kernels, real or complex.
 
-Written from the definitions (MODEL sections 1 to 3) so that the kernels can be held against it. All is
+Written from the definitions (Taylor et al. 2014, Eqs. 24 to 64) so that the kernels can be held against it. All is
 scaled: lengths by grid.length_mm = L, energies by Y h L^2. Nothing here takes an absolute value or a
 conjugate, so an imaginary step in r gives the gradient to rounding: dE/dr = Im E(r + i s) / s.
 """
@@ -21,7 +21,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def koiter_law(poisson: float) -> Law:
-    """The quadratic plane-stress law (c (tr E)^2 + 2 mu E:E) / (2 Y) of MODEL section 1."""
+    """The quadratic plane-stress law (c (tr E)^2 + 2 mu E:E) / (2 Y) of Eq. 24."""
     c = poisson / (1 - poisson**2)
     two_mu = 1 / (1 + poisson)
 
@@ -32,7 +32,7 @@ def koiter_law(poisson: float) -> Law:
 
 
 def tension_field_law(poisson: float) -> Law:
-    """The relaxed law of MODEL section 2, by its three cases."""
+    """The relaxed law of Pipkin 1986, by its three cases."""
     tense_law = koiter_law(poisson)
 
     def energy(e11: np.ndarray, e22: np.ndarray, e12: np.ndarray) -> np.ndarray:

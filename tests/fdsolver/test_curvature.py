@@ -38,7 +38,7 @@ def flat(grid: Grid) -> np.ndarray:
 
 
 def moduli(grid: Grid, sheet: Sheet = SHEET) -> np.ndarray:
-    """D of MODEL section 1 for (b11, b22, b12) per Y h L^2."""
+    """D of Eq. 24 for (b11, b22, b12) per Y h L^2."""
     nu = sheet.poisson
     plate = (sheet.thickness_mm / grid.length_mm) ** 2 / (12 * (1 - nu**2))
     return plate * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 2 * (1 - nu)]])

@@ -29,7 +29,7 @@ def random_strains(count: int = 400) -> np.ndarray:
 
 
 def definition(strain: np.ndarray, nu: float) -> float:
-    """Energy / Y by the cases of MODEL section 2."""
+    """Energy / Y by the cases of Pipkin 1986."""
     minor, major = np.linalg.eigvalsh(strain)
     c, two_mu = nu / (1.0 - nu**2), 1.0 / (1.0 + nu)
     if major <= 0.0:

@@ -104,7 +104,7 @@ def derivatives(r: Field, x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
 
 
 def exact_energy(grid: Grid, r: Field) -> np.ndarray:
-    """(membrane, bending) energy of MODEL section 1 by quadrature, scaled."""
+    """(membrane, bending) energy of Eq. 24 by quadrature, scaled."""
     x, y, weight = quadrature(grid)
     r_1, r_2, r_11, r_22, r_12 = derivatives(r, x, y)
     nu = SHEET.poisson
