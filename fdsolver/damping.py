@@ -91,7 +91,8 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
     """Advance r and v in place by `steps` steps under a damping rule; f holds the force at r on entry.
 
     r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj). rising : whether the last step
-    added kinetic energy. Returns the number of restarts, the viscosity, the steps since the last restart and `rising`.
+    added kinetic energy. Returns the number of restarts, the viscosity, the steps since the last restart, `rising`, and
+    the Rayleigh quotient omega^2 of the motion at the last step (0 at rest).
     """
     name, constant = rule
     kinetic = name.startswith("kinetic")
@@ -99,16 +100,17 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
     nodes = r.shape[1] * r.shape[2]
     flat = [a.reshape(-1, nodes) for a in (r, v, inverse_mass, f)]
     before = old.reshape(3, nodes)
-    restarts = 0
+    restarts, quotient = 0, 0.0
     for k in range(steps):
         if k > 0:
             if k == steps - 1:
                 old[:] = f
             force(r, f)
-            if k == steps - 1 and name == "adaptive":
+            if k == steps - 1:
                 inertia = twice_kinetic(flat[1], mass.reshape(6, nodes))
                 quotient = twice_work(flat[1], before, flat[3]) / inertia if inertia > 0.0 else 0.0
-                viscosity = min(2.0 * math.sqrt(max(quotient, 0.0)), LARGEST_VISCOSITY)
+                if name == "adaptive":
+                    viscosity = min(2.0 * math.sqrt(max(quotient, 0.0)), LARGEST_VISCOSITY)
         power = step(*flat[:4], *((0.0, cap, 0.5) if since_restart == 0 else (viscosity, cap, 1.0)))
         since_restart += 1
         peak, rising = rising and power < 0.0, power >= 0.0
@@ -121,4 +123,4 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
             v[:] = 0.5 * times(inverse_mass, f)
             r += v
             restarts, since_restart, rising = restarts + 1, 1, True
-    return restarts, viscosity, since_restart, rising
+    return restarts, viscosity, since_restart, rising, quotient

@@ -2,8 +2,10 @@
 
 Explicit central differences [67-68] of m a + c v = f with a unit time step and masses of our choosing. The loop works
 in blocks of `BLOCK` steps. A block begins with a look at the state: is the force below the tolerance, is everything
-finite, has the strain energy grown beyond what the motion could give it? All that changes between blocks is in
-`State`, so a run continued from a saved state makes the same bits as one that was never stopped.
+finite, has the strain energy grown beyond what the motion could give it? It ends with another: was the motion slow
+enough for the time step? (The energy alone does not tell: capped velocities make an unstable step tremble, not grow.)
+All that changes between blocks is in `State`, so a run continued from a saved state makes the same bits as one that
+was never stopped.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ MASS_EVERY = 10  # blocks between two updates of the masses
 CAP = (
     5e-4  # largest speed of a node, lengths L per step: sharp folds form slowly enough to keep zones upright
 )
+FASTEST = 4.0  # omega^2 of a motion that central differences of unit step blow up: the masses are too light
 GROWTH = 1.02  # a strain energy above this share of the last total energy is an unstable step
 HEAVIER = 1.5  # factor on all masses at each recovery
 RECOVERIES = 12  # before the run is given up
@@ -192,7 +195,7 @@ def relax(
                 _set_masses(force, free, state, settings.mass)
             if status is not None:
                 return status
-            restarts, state.viscosity, state.since_restart, state.rising = damping.advance(
+            restarts, state.viscosity, state.since_restart, state.rising, quotient = damping.advance(
                 evaluate,
                 state.r,
                 state.v,
@@ -208,6 +211,8 @@ def relax(
                 CAP,
             )
             state.history[-1] = (*state.history[-1][:4], float(restarts))
+            if quotient > FASTEST and (status := _recover(evaluate, state, f, finite=True)) is not None:
+                return status
             state.step += BLOCK
             state.evaluations += BLOCK
             state.seconds += time.perf_counter() - started
@@ -275,15 +280,15 @@ def _look(
 
 def _recover(force: Evaluate, state: State, f: np.ndarray, finite: bool) -> Status | None:
     """Go back to the last sound state, at rest and with heavier masses; give up after `RECOVERIES` times."""
+    state.r[:], state.v[:] = state.safe, 0.0
     state.recoveries += 1
     if state.recoveries > RECOVERIES:
         return Status.DIVERGED if finite else Status.NOT_FINITE
-    state.r[:], state.v[:] = state.safe, 0.0
     state.mass_factor *= HEAVIER
     state.mass, state.inverse_mass = HEAVIER * state.mass, state.inverse_mass / HEAVIER
     state.since_restart, state.viscosity = 0, 0.0
     state.total_energy = float(force(state.r, f).sum())
-    if not np.isfinite(state.total_energy):
+    if not (np.isfinite(state.total_energy) and np.isfinite(f).all()):
         return Status.NOT_FINITE  # the state was not sound to begin with: no mass can help
     return None
 

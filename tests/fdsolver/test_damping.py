@@ -114,7 +114,7 @@ def run(spring: System, rule: str, constant: float, start: np.ndarray, blocks: l
     viscosity, since, rising, restarts = 0.0, 0, False, []
     for steps in blocks:
         spring.force(r, f)
-        found, viscosity, since, rising = damping.advance(
+        found, viscosity, since, rising, _ = damping.advance(
             spring.force,
             r,
             v,
