@@ -61,6 +61,13 @@ def deformed(fig: FigureBase, runs: Runs) -> None:
     state_legend(fig, loc="outside lower center", ncols=3)
 
 
+def resolved(fig: FigureBase, stored: Stored) -> None:
+    """A plate whose wrinkles the mesh resolves: lit view, and its height on three rings."""
+    left, right = fig.subplots(1, 2, width_ratios=[1.35, 1.0])
+    draw_lit(left, stored, "(a) plate")
+    _ring_profiles(right, stored, "(b) height on three rings less its mean")
+
+
 def stretch_map(fig: FigureBase, runs: Runs) -> None:
     """Fig. 10 a: the largest principal stretch over the reference sheet, plate beside relaxed membrane."""
     axes = fig.subplots(1, 2, sharey=True)
@@ -132,7 +139,7 @@ def what_tells_apart(fig: FigureBase, runs: Runs) -> None:
     for ax in axes[0]:
         ax.set_xlabel("$R$ (mm)")
     legend(axes[0, 0], runs, METHODS)
-    _ring_profiles(axes[1, 0], runs.get("koiter"))
+    _ring_profiles(axes[1, 0], runs.get("koiter"), "(c) height on three rings less its mean, plate")
     _amplitude(axes[1, 1], runs)
 
 
@@ -144,8 +151,7 @@ def ring_means(stored: Stored | None, field: str) -> tuple[np.ndarray, np.ndarra
     return 0.5 * (radius[1:] + radius[:-1]), stored.fields[field].mean(axis=0)
 
 
-def _ring_profiles(ax: Axes, stored: Stored | None) -> None:
-    title = "(c) height on three rings less its mean, plate"
+def _ring_profiles(ax: Axes, stored: Stored | None, title: str) -> None:
     names = [] if stored is None else [n for n in stored.section_names if n.startswith("ring")]
     if stored is None or not names:
         unavailable(ax, title, stored)

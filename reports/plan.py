@@ -54,13 +54,13 @@ def _annulus() -> list[ReportRun]:
         ReportRun("annulus-koiter-20000", "annulus", "koiter", 20000, 20000, max_seconds=90.0),
         ReportRun("annulus-koiter-120000", "annulus", "koiter", None, 120000, max_seconds=60.0),
         ReportRun(
-            "annulus-koiter-thick",
+            "annulus-koiter-resolved",
             "annulus",
             "koiter",
-            20000,
-            40000,
-            {"sheet.thickness_mm": 0.25},
-            max_seconds=60.0,
+            120000,
+            160000,
+            {"sheet.thickness_mm": 0.1},
+            max_seconds=150.0,
         ),
     ]
 

@@ -19,7 +19,7 @@ from tests.reports.synthetic import write_synthetic
 HOSTILE = "<script>alert('x')</script> & \"quotes\" $x_1$"
 REFUSED, STALLED, MISSING, HOSTILE_RUN = (
     "hole-membrane",
-    "annulus-koiter-thick",
+    "annulus-koiter-resolved",
     "stretch-membrane",
     "stretch-koiter",
 )
