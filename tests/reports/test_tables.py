@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reports.convergence import observed_order, order_data
 from reports.plan import ReportRun
-from reports.section_annulus import build, main_runs, observed_order, order_data
+from reports.section_annulus import build, main_runs
 from reports.stored import Stored, refusal_path
 from reports.style import number, whole
 from reports.tables import difference_table, percent, relative_error, remarks, run_table, shortfalls
