@@ -164,7 +164,12 @@ def test_interrupted_run_exits_130_and_goes_on(project, here, number):
     ]
     environment = {**os.environ, "PYTHONPATH": str(project)}
     process = subprocess.Popen(
-        [sys.executable, "-m", "cases", *words], env=environment, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "cases", *words],
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+        # a shell starts background jobs with SIGINT ignored, and children inherit that
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     deadline = time.monotonic() + 200.0
     while not (here / "it" / "scene.toml").exists():
