@@ -2,9 +2,10 @@
 
 adaptive : viscous, c = 2 omega with omega^2 the Rayleigh quotient of the motion, measured once a block. Where the
     quotient is negative the motion runs down from an unstable state, and is not damped at all.
-kinetic : no viscosity; at a peak of kinetic energy go back to r(n) and restart from rest with the half kick [70], at
-    least `APART` steps after the last restart. A fall that is not the end of a rise does not count: restarts at a
-    fixed distance never stop the modes for which it is half a period.
+kinetic : no viscosity; at a peak of kinetic energy go back to the middle of r(n - 1) and r(n) and restart from rest
+    with the half kick [70], at least `APART` steps after the last restart. Where no speed is capped that middle is the
+    estimate [73]. It wipes out the fastest waves, which a restart at r(n) keeps; and a fall that is not the end of a
+    rise is no peak: restarts at a fixed distance never stop the modes for which it is half a period.
 kinetic-published : restart at every peak of the kinetic energy [72] from the estimate [73].
 viscous : constant c = 2 omega of the longest wave that fits the mesh.
 """
@@ -100,6 +101,7 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
     nodes = r.shape[1] * r.shape[2]
     flat = [a.reshape(-1, nodes) for a in (r, v, inverse_mass, f)]
     before = old.reshape(3, nodes)
+    arrival = np.empty_like(v)  # the velocity with which the motion came to r(n)
     restarts, quotient = 0, 0.0
     for k in range(steps):
         if k > 0:
@@ -111,6 +113,8 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
                 quotient = twice_work(flat[1], before, flat[3]) / inertia if inertia > 0.0 else 0.0
                 if name == "adaptive":
                     viscosity = min(2.0 * math.sqrt(max(quotient, 0.0)), LARGEST_VISCOSITY)
+        if name == "kinetic":
+            arrival[:] = v
         power = step(*flat[:4], *((0.0, cap, 0.5) if since_restart == 0 else (viscosity, cap, 1.0)))
         since_restart += 1
         peak, rising = rising and power < 0.0, power >= 0.0
@@ -118,9 +122,8 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
             r -= 1.5 * v - 0.5 * times(inverse_mass, f)
             v[:] = 0.0
             restarts, since_restart = restarts + 1, 0
-        elif name == "kinetic" and peak and since_restart > APART:
-            r -= v
-            v[:] = 0.5 * times(inverse_mass, f)
-            r += v
-            restarts, since_restart, rising = restarts + 1, 1, True
+        elif name == "kinetic" and peak and since_restart >= APART:
+            r -= v + 0.5 * arrival
+            v[:] = 0.0
+            restarts, since_restart = restarts + 1, 0
     return restarts, viscosity, since_restart, rising, quotient
