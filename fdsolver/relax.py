@@ -219,7 +219,7 @@ def relax(
             if on_block is not None:
                 on_block(state)
     except KeyboardInterrupt:
-        _put_back(state, kept)
+        vars(state).update(kept)
         return Status.INTERRUPTED
 
 
@@ -234,15 +234,12 @@ def _projected(force: Evaluate, project: Callable[[np.ndarray], np.ndarray]) -> 
     return evaluate
 
 
-def _keep(state: State) -> tuple[dict, int]:
-    """What `_put_back` needs: all values (positions and velocities change in place) and the rows of the history."""
-    return {**vars(state), "r": state.r.copy(), "v": state.v.copy()}, len(state.history)
+def _keep(state: State) -> dict:
+    """What `vars(state).update` needs to undo a block: positions and velocities change in place, the rest is replaced.
 
-
-def _put_back(state: State, kept: tuple[dict, int]) -> None:
-    """Undo what happened to a state since `_keep`. A last row of the same step is made again by the next look."""
-    vars(state).update(kept[0])
-    del state.history[kept[1] :]
+    The history keeps the row of an undone look; the next look, at the same step, replaces it.
+    """
+    return {**vars(state), "r": state.r.copy(), "v": state.v.copy()}
 
 
 def _look(
@@ -299,4 +296,4 @@ def _set_masses(force: Force, free: np.ndarray, state: State, kind: str) -> None
     mass = state.mass_factor * nodal_masses(force, state.r, ahead, force.relaxed, kind)
     inverse = np.zeros_like(mass)
     invert(mass.reshape(6, -1), free.reshape(-1), inverse.reshape(6, -1))
-    state.mass, state.inverse_mass = mass, inverse  # new arrays: `_put_back` wants the old ones
+    state.mass, state.inverse_mass = mass, inverse  # new arrays: `_keep` has the old ones

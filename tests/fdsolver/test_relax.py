@@ -130,6 +130,18 @@ def test_what_is_not_finite_is_taken_back(where: str, value: float, step: int) -
         assert 1 <= state.recoveries < RECOVERIES
 
 
+def test_a_jump_of_the_energy_is_taken_back() -> None:
+    level, expected = solved(KOITER)
+    state = begin(level.start())
+    # half a cell out of plane: some 10 % more strain energy
+    assert relaxed(level, state, FINE, plant("r", 0.03, 60)) is Status.CONVERGED
+    assert state.recoveries == 1
+    steps, energy = np.array(state.history)[:, :2].T
+    assert energy[steps == 60] > GROWTH * energy[steps == 50]
+    assert energy[steps == 70] < energy[steps == 50]
+    np.testing.assert_allclose(state.r, expected.r, rtol=0.0, atol=1e-8)
+
+
 @pytest.mark.parametrize("component", [0, 1, 2])
 def test_a_start_that_is_not_finite_is_named_at_once(component: int) -> None:
     level = strip(KOITER)
