@@ -10,14 +10,13 @@ where this package calls `reports`, which is built on top of it.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import os
 import shlex
-import signal
 import sys
 from collections.abc import Sequence
 
 from cases.arguments import BAD_INPUT, Refused, parse
+from cases.interrupt import Interruption, interruptible
 
 MACHINE_FAILED = 1
 INTERRUPTED = 130
@@ -28,10 +27,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     try:
         arguments = parse(words)
-        _stop_on_termination()
-        code = _command(arguments)
-        sys.stdout.flush()
-        return code
+        with interruptible() as interruption:
+            code = _command(arguments, interruption)
+            sys.stdout.flush()
+            return code
     except Refused as refusal:
         return _complain([str(refusal)], BAD_INPUT)
     except KeyboardInterrupt:
@@ -49,9 +48,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _complain(sentences, MACHINE_FAILED if isinstance(error, OSError) else BAD_INPUT)
 
 
-def _command(arguments: argparse.Namespace) -> int:
+def _command(arguments: argparse.Namespace, interruption: Interruption) -> int:
     if arguments.command == "report":
-        return _report(arguments)
+        return _report(arguments, interruption)
     from cases import commands
 
     run = {
@@ -60,10 +59,10 @@ def _command(arguments: argparse.Namespace) -> int:
         "compare": commands.compare_methods,
         "doctor": commands.doctor,
     }[arguments.command]
-    return run(arguments)
+    return run(arguments, interruption)
 
 
-def _report(arguments: argparse.Namespace) -> int:
+def _report(arguments: argparse.Namespace, interruption: Interruption) -> int:
     from cases.commands import out_folder, words_of
     from cases.progress import display
     from reports.command import report
@@ -74,10 +73,9 @@ def _report(arguments: argparse.Namespace) -> int:
         report_runs(arguments.full, scenes)
     except ValueError as unknown:
         raise Refused(f"--scenes: {unknown}") from None
+    out = out_folder(arguments.out, "report")
     with display(arguments.quiet) as progress:
-        return report(
-            out_folder(arguments.out, "report"), full=arguments.full, scenes=scenes, progress=progress
-        )
+        return report(out, arguments.full, scenes, progress=interruption.watch(progress))
 
 
 def _foreseen(error: Exception) -> list[str] | None:
@@ -118,12 +116,6 @@ def _how_to_resume(words: Sequence[str]) -> str:
     again = shlex.join(["wrinkle", *words])
     resumable = bool(words) and words[0] in ("run", "compare", "report")
     return f"interrupted; finished results are kept, `{again}` goes on" if resumable else "interrupted"
-
-
-def _stop_on_termination() -> None:
-    """Let SIGTERM end a run as Ctrl-C does: with a checkpoint. (Only a main thread may say so.)"""
-    with contextlib.suppress(ValueError):
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 if __name__ == "__main__":

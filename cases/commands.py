@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cases.arguments import BAD_INPUT
+from cases.interrupt import Interruption
 from cases.problems import Problem, SceneError, did_you_mean, one_of, shown
 from cases.scene import Scene, load_scene, scene_names
 from cases.schema import LARGEST_NODES, SMALLEST_NODES
@@ -31,7 +32,7 @@ class Request:
     tolerance: float | None
 
 
-def list_scenes(_: argparse.Namespace) -> int:
+def list_scenes(_: argparse.Namespace, __: Interruption) -> int:
     """Print name, title, methods and default nodes of every built-in scene."""
     from cases.methods import methods_of
 
@@ -45,7 +46,7 @@ def list_scenes(_: argparse.Namespace) -> int:
     return 0
 
 
-def run_scene(arguments: argparse.Namespace) -> int:
+def run_scene(arguments: argparse.Namespace, interruption: Interruption) -> int:
     """Solve one scene by one method into one folder; the exit code is the status's."""
     if arguments.accuracy is not None:
         return _not_yet("--accuracy; give the number of nodes by --nodes")
@@ -67,7 +68,7 @@ def run_scene(arguments: argparse.Namespace) -> int:
             out=out,
             resume=arguments.resume,
             force=arguments.force,
-            progress=progress,
+            progress=interruption.watch(progress),
             strict=arguments.strict,
         )
     for warning in solution.warnings:
@@ -92,7 +93,7 @@ def _check_fit(scene: Scene, method: str) -> None:
         raise SceneError([Problem("", "--method", method, message)])
 
 
-def compare_methods(arguments: argparse.Namespace) -> int:
+def compare_methods(arguments: argparse.Namespace, interruption: Interruption) -> int:
     """Solve one scene by several methods and write their differences."""
     words = None if arguments.methods is None else words_of(arguments.methods, "--methods")
     request = read_request(arguments, words)
@@ -113,7 +114,7 @@ def compare_methods(arguments: argparse.Namespace) -> int:
             tolerance=request.tolerance,
             resume=arguments.resume,
             force=arguments.force,
-            progress=progress,
+            progress=interruption.watch(progress),
         )
     for name, why in found.refused.items():
         print(f"wrinkle: warning: {name} was left out: {why}", file=sys.stderr)
@@ -129,7 +130,7 @@ def _short(number: float) -> str:
     return f"{number:.5g}"
 
 
-def doctor(arguments: argparse.Namespace) -> int:
+def doctor(arguments: argparse.Namespace, _: Interruption) -> int:
     """Print what this installation has and lacks."""
     from cases.doctor import examine
 

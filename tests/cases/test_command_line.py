@@ -145,6 +145,7 @@ def test_mistakes_exit_2_with_a_sentence_and_write_nothing(here, capsys, words, 
         ),
         ("--threads", "0", "--threads = 0: must be a whole number from 1 to 1024; the nearest is 1"),
         ("--tol", "nan", '--tol = "nan": must be a residual from 1e-14 to 0.1'),
+        ("--tol", "0", '--tol = "0": must be a residual from 1e-14 to 0.1'),
         ("--tol", "small", '--tol = "small": must be a residual from 1e-14 to 0.1'),
     ],
 )
