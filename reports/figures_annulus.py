@@ -38,6 +38,7 @@ def draw_lit(ax: Axes, stored: Stored | None, title: str, coloured: bool = False
     picture = lit_view(stored.fields["r"], colours, stored.closed, VIEW, pixels)
     ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     ax.set_title(title)
+    ax.set_anchor("N")
     ax.set_axis_off()
     left, right, bottom, _ = picture.extent
     length = 10.0 ** np.floor(np.log10((right - left) / 3.0))
