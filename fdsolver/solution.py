@@ -63,7 +63,7 @@ def assemble(
         history=dict(zip(HISTORY, history, strict=True)),
         hourglass=hourglass,
         stability=stability,
-        warnings=(*_warnings(level, run, fields.stretch_major), *folds),
+        warnings=(*_warnings(level, run, fields.stretch_major), *_unstable(stability, model), *folds),
         levels=tuple(run.done),
         threads=settings.threads,
         seed=problem.seed,
@@ -83,3 +83,13 @@ def _warnings(level: Level, run: Run, stretch_major: np.ndarray) -> list[str]:
     if run.state.recoveries:
         warnings.append(f"{run.state.recoveries} unstable steps were taken back and the masses raised.")
     return warnings
+
+
+def _unstable(stability: Mapping[str, object], model: Model) -> list[str]:
+    """A warning about an equilibrium that kicks did not turn into a stable one."""
+    if stability["stable"] is not False or not model.buckles:
+        return []
+    return [
+        f"The state is not shown stable: a direction of eigenvalue {stability['lowest']:.2g} remains, which kicks"
+        " along it did not remove."
+    ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -115,9 +114,8 @@ def _solve(
         raise ValueError(str(problems)) from problems
 
     def solve(force: bool) -> str:
-        threads = min(2, os.cpu_count() or 1)
         solution = cases.run(
-            scene, run.method, nodes=nodes, threads=threads, out=folder, force=force, progress=progress
+            scene, run.method, nodes=nodes, threads=1, out=folder, force=force, progress=progress
         )
         return str(solution.status.value)
 
