@@ -99,7 +99,7 @@ def _lanczos(
         q /= size
         if combine is None and (k + 1) % LOOK_EVERY == 0:
             lowest = eigh_tridiagonal(diagonal, off, select="i", select_range=(0, 0), eigvals_only=True)[0]
-            settled = lowest > 0.95 * best if best < -NEUTRAL else lowest > 0.999 * best > 0.0
+            settled = lowest > 1.05 * best if best < -NEUTRAL else lowest > 0.999 * best > 0.0
             if settled:
                 break
             best = float(lowest)
