@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from importlib import resources, util
+from importlib import util
 from pathlib import Path
 
 from cases.machine import LIBRARIES, code, machine, version_of, versions
@@ -43,9 +43,9 @@ def _cache() -> str:
 
 
 def _cache_folder() -> Path:
-    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
-        return Path(chosen)
-    return Path(str(resources.files("fdsolver"))) / "__pycache__"
+    from fdsolver.compile_cache import folder
+
+    return Path(os.environ.get("NUMBA_CACHE_DIR") or folder())
 
 
 def _complaints() -> list[str]:
