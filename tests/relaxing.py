@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -46,6 +47,7 @@ def solved(model: Model) -> tuple[Level, State]:
     return level, state
 
 
+@dataclasses.dataclass
 class Failing:
     """A force that does something else from its n-th call on."""
 

@@ -118,7 +118,6 @@ def test_a_start_that_is_not_finite_is_named_at_once(component: int) -> None:
     assert state.step <= 2 * BLOCK
 
 
-@dataclasses.dataclass
 def test_a_force_that_stays_not_finite_is_named_within_two_blocks() -> None:
     level = strip(KOITER)
     state = begin(level.start())
