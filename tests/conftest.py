@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
 
 # before anything imports matplotlib
 os.environ.setdefault("MPLBACKEND", "Agg")
+
+# a shell starts background jobs with SIGINT ignored; the tests of interruption need Python's own answer to it
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
