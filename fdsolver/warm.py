@@ -12,7 +12,7 @@ from fdsolver.level import Level
 from fdsolver.model import Model
 from fdsolver.problem import Problem
 from fdsolver.relax import Settings, begin, relax
-from fdsolver.stability import examine
+from fdsolver.stability import search
 
 
 def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
@@ -29,5 +29,5 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     state = begin(level.scaled(1.01 * level.flat))
     relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20))
     if not model.relaxed:
-        examine(level.force, state)
+        search(level.force, state)
     return time.perf_counter() - started
