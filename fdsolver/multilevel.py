@@ -24,8 +24,8 @@ from fdsolver.warm import compile_kernels
 COARSEST = 1000  # nodes: below this a coarser level saves nothing
 RATIO = 4  # nodes of a level over those of the next coarser one
 SAVE_SECONDS = 5.0  # between two checkpoints
-LAST_STATUS = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.NOT_FINITE)  # no finer mesh after these
 RESUMABLE = (Status.INTERRUPTED, Status.TIME_LIMIT, Status.STEP_LIMIT)
+LAST_STATUS = (*RESUMABLE, Status.NOT_FINITE)  # no finer mesh after these
 
 
 class Store(Protocol):
