@@ -78,9 +78,8 @@ def node_steps_per_second(model: Model, grid: Grid, threads: int, seconds: float
         r[:], v[:] = start, 0.0
         began = time.perf_counter()
         level.force(r, f)
-        damping.advance(
-            level.force, r, v, mass, inverse, f, old, ("adaptive", 0.0), 0.0, 0, False, BLOCK, CAP
-        )
+        motion = (r, v, mass, inverse, f, old)
+        damping.advance(level.force, *motion, ("adaptive", 0.0), 0.0, 0, False, BLOCK, CAP, threads)
         ended = time.perf_counter()
         if until == np.inf:
             until = ended + seconds  # the first block compiles

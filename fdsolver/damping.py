@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import math
 
+import numba
 import numpy as np
 
-from fdsolver.rows import compiled
+from fdsolver.rows import compiled, threaded
 
 APART = 10  # steps between two kinetic restarts
 LARGEST_VISCOSITY = 1.0  # per step; beyond it the fastest waves are damped, which need no help
@@ -34,30 +35,51 @@ def rule(name: str, nodes_across: int) -> tuple[str, float]:
 
 
 @compiled
-def step(r, v, inverse_mass, f, viscosity, cap, kick):
+def step_band(r, v, inverse_mass, f, viscosity, cap, kick, power, start, stop):
+    """`step` on the mesh rows from start to stop; writes the power of each row into power (rows,)."""
+    keep, gain = (2.0 - viscosity) / (2.0 + viscosity), kick * 2.0 / (2.0 + viscosity)
+    for i in range(start, stop):
+        row = 0.0
+        for j in range(r.shape[2]):
+            fx, fy, fz = f[0, i, j], f[1, i, j], f[2, i, j]
+            xy, xz, yz = inverse_mass[3, i, j], inverse_mass[4, i, j], inverse_mass[5, i, j]
+            vx = keep * v[0, i, j] + gain * (inverse_mass[0, i, j] * fx + xy * fy + xz * fz)
+            vy = keep * v[1, i, j] + gain * (xy * fx + inverse_mass[1, i, j] * fy + yz * fz)
+            vz = keep * v[2, i, j] + gain * (xz * fx + yz * fy + inverse_mass[2, i, j] * fz)
+            speed = vx * vx + vy * vy + vz * vz
+            if speed > cap * cap:
+                slower = cap / np.sqrt(speed)
+                vx, vy, vz = slower * vx, slower * vy, slower * vz
+            row += 0.5 * ((v[0, i, j] + vx) * fx + (v[1, i, j] + vy) * fy + (v[2, i, j] + vz) * fz)
+            v[0, i, j], v[1, i, j], v[2, i, j] = vx, vy, vz
+            r[0, i, j] += vx
+            r[1, i, j] += vy
+            r[2, i, j] += vz
+        power[i] = row
+
+
+@threaded
+def step_bands(r, v, inverse_mass, f, viscosity, cap, kick, power, bands):
+    """`step_band` on as many bands of rows as there are threads."""
+    rows = r.shape[1]
+    for k in numba.prange(bands):
+        start, stop = k * rows // bands, (k + 1) * rows // bands
+        step_band(r, v, inverse_mass, f, viscosity, cap, kick, power, start, stop)
+
+
+def step(r, v, inverse_mass, f, viscosity, cap, kick, threads=1):
     """One step of [68] with unit time step; the first from rest [70] has kick = 1/2 and no viscosity, others kick = 1.
 
-    r, v, f : (3, nodes). inverse_mass : (6, nodes), xx yy zz xy xz yz. cap : largest speed of a node.
-    Returns the power (v_old + v_new) . f / 2 at the positions r(n).
+    r, v, f : (3, ni, nj). inverse_mass : (6, ni, nj), xx yy zz xy xz yz. cap : largest speed of a node. threads : bands
+    of rows side by side. Returns the power (v_old + v_new) . f / 2 at the positions r(n), summed by rows in order: same
+    bits for any number of threads.
     """
-    keep, gain = (2.0 - viscosity) / (2.0 + viscosity), kick * 2.0 / (2.0 + viscosity)
-    power = 0.0
-    for k in range(r.shape[1]):
-        fx, fy, fz = f[0, k], f[1, k], f[2, k]
-        xy, xz, yz = inverse_mass[3, k], inverse_mass[4, k], inverse_mass[5, k]
-        vx = keep * v[0, k] + gain * (inverse_mass[0, k] * fx + xy * fy + xz * fz)
-        vy = keep * v[1, k] + gain * (xy * fx + inverse_mass[1, k] * fy + yz * fz)
-        vz = keep * v[2, k] + gain * (xz * fx + yz * fy + inverse_mass[2, k] * fz)
-        speed = vx * vx + vy * vy + vz * vz
-        if speed > cap * cap:
-            slower = cap / np.sqrt(speed)
-            vx, vy, vz = slower * vx, slower * vy, slower * vz
-        power += 0.5 * ((v[0, k] + vx) * fx + (v[1, k] + vy) * fy + (v[2, k] + vz) * fz)
-        v[0, k], v[1, k], v[2, k] = vx, vy, vz
-        r[0, k] += vx
-        r[1, k] += vy
-        r[2, k] += vz
-    return power
+    power = np.empty(r.shape[1])
+    if threads == 1:
+        step_band(r, v, inverse_mass, f, viscosity, cap, kick, power, 0, r.shape[1])
+    else:
+        step_bands(r, v, inverse_mass, f, viscosity, cap, kick, power, threads)
+    return float(power.sum())
 
 
 @compiled
@@ -88,19 +110,20 @@ def times(mass, v):
     return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
 
 
-def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_restart, rising, steps, cap):
+def advance(
+    force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_restart, rising, steps, cap, threads=1
+):
     """Advance r and v in place by `steps` steps under a damping rule; f holds the force at r on entry.
 
     r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj). rising : whether the last step
-    added kinetic energy. Returns the number of restarts, the viscosity, the steps since the last restart, `rising`, and
+    added kinetic energy. threads : bands of rows side by side. Returns the number of restarts, the viscosity, the steps since the last restart, `rising`, and
     the Rayleigh quotient omega^2 of the motion at the last step (0 at rest).
     """
     name, constant = rule
     kinetic = name.startswith("kinetic")
     viscosity = 0.0 if kinetic else constant if name == "viscous" else viscosity
     nodes = r.shape[1] * r.shape[2]
-    flat = [a.reshape(-1, nodes) for a in (r, v, inverse_mass, f)]
-    before = old.reshape(3, nodes)
+    motion, before, after = v.reshape(3, nodes), old.reshape(3, nodes), f.reshape(3, nodes)
     arrival = np.empty_like(v)  # the velocity with which the motion came to r(n)
     restarts, quotient = 0, 0.0
     for k in range(steps):
@@ -109,13 +132,14 @@ def advance(force, r, v, mass, inverse_mass, f, old, rule, viscosity, since_rest
                 old[:] = f
             force(r, f)
             if k == steps - 1:
-                inertia = twice_kinetic(flat[1], mass.reshape(6, nodes))
-                quotient = twice_work(flat[1], before, flat[3]) / inertia if inertia > 0.0 else 0.0
+                inertia = twice_kinetic(motion, mass.reshape(6, nodes))
+                quotient = twice_work(motion, before, after) / inertia if inertia > 0.0 else 0.0
                 if name == "adaptive":
                     viscosity = min(2.0 * math.sqrt(max(quotient, 0.0)), LARGEST_VISCOSITY)
         if name == "kinetic":
             arrival[:] = v
-        power = step(*flat[:4], *((0.0, cap, 0.5) if since_restart == 0 else (viscosity, cap, 1.0)))
+        damped, share = (0.0, 0.5) if since_restart == 0 else (viscosity, 1.0)
+        power = step(r, v, inverse_mass, f, damped, cap, share, threads)
         since_restart += 1
         peak, rising = rising and power < 0.0, power >= 0.0
         if name == "kinetic-published" and power < 0.0:

@@ -209,6 +209,7 @@ def relax(
                 state.rising,
                 BLOCK,
                 CAP,
+                settings.threads,
             )
             state.history[-1] = (*state.history[-1][:4], float(restarts))
             if quotient > FASTEST and (status := _recover(evaluate, state, f, finite=True)) is not None:

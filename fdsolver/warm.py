@@ -27,7 +27,7 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     tiny = replace(problem, grid=grid, edges={})
     level = Level(tiny, model, grid, threads)
     state = begin(level.scaled(1.01 * level.flat))
-    relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20))
+    relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20, threads=threads))
     if not model.relaxed:
         search(level.force, state)
     return time.perf_counter() - started

@@ -246,8 +246,7 @@ def test_velocity_is_capped_and_nan_is_not_hidden_by_it() -> None:
     spring.force(start, f)
     f[1, 2, 3] = np.nan
     r, v = start.copy(), np.zeros_like(start)
-    flat = (r.reshape(3, -1), v.reshape(3, -1), inverse.reshape(6, -1), f.reshape(3, -1))
-    power = damping.step(*flat, 0.0, 1e-3, 1.0)
+    power = damping.step(r, v, inverse, f, 0.0, 1e-3, 1.0)
     assert math.isnan(power)
     broken = np.isnan(v)
     assert broken[:, 2, 3].all() and broken.sum() == 3
@@ -257,6 +256,22 @@ def test_velocity_is_capped_and_nan_is_not_hidden_by_it() -> None:
     wanted = np.einsum("nab,bn->an", node_matrices(inverse), f.reshape(3, -1))
     shares = v.reshape(3, -1) / wanted
     np.testing.assert_allclose(shares, shares[:1] * np.ones((3, 1)), rtol=1e-12)
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_bands_of_rows_make_the_bits_of_one_thread(threads: int) -> None:
+    spring, start = system(SQUARES), some_start()
+    f = np.zeros_like(start)
+    spring.force(start, f)
+    states = []
+    for bands in (1, threads):
+        r, v = start.copy(), 0.3 * start
+        power = damping.step(r, v, spring.inverse, f, 0.2, 0.05, 1.0, bands)
+        states.append((r, v, power))
+    (r, v, power), (other_r, other_v, other_power) = states
+    assert power == other_power
+    assert np.array_equal(r, other_r) and np.array_equal(v, other_v)
+    assert not np.array_equal(r, start)
 
 
 def test_kinetic_energy_and_nodal_products() -> None:
