@@ -116,8 +116,8 @@ def advance(
     """Advance r and v in place by `steps` steps under a damping rule; f holds the force at r on entry.
 
     r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj). rising : whether the last step
-    added kinetic energy. threads : bands of rows side by side. Returns the number of restarts, the viscosity, the steps since the last restart, `rising`, and
-    the Rayleigh quotient omega^2 of the motion at the last step (0 at rest).
+    added kinetic energy. threads : bands of rows side by side. Returns the number of restarts, the viscosity, the steps
+    since the last restart, `rising`, and the Rayleigh quotient omega^2 of the motion at the last step (0 at rest).
     """
     name, constant = rule
     kinetic = name.startswith("kinetic")
