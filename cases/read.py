@@ -36,7 +36,7 @@ def read_document(source: str | Path) -> tuple[str, str, dict[str, Any]]:
         text = (resources.files("cases") / "data" / f"{source}.toml").read_bytes()
         return source, source, parse(text, source)
     where = _place(str(source))
-    return where, Path(source).stem, parse(_file_bytes(source, where), where)
+    return where, Path(source).stem, parse(file_bytes(source, where), where)
 
 
 def _place(source: str) -> str:
@@ -44,7 +44,8 @@ def _place(source: str) -> str:
     return source if source.isascii() and source.isprintable() and 0 < len(source) <= 200 else shown(source)
 
 
-def _file_bytes(source: str | Path, where: str) -> bytes:
+def file_bytes(source: str | Path, where: str) -> bytes:
+    """The content of a regular file of a sensible size. Raises SceneError."""
     path = Path(source)
     try:
         mode = path.stat().st_mode

@@ -88,10 +88,10 @@ def read_tables(document: Mapping[str, Any], reading: Reading) -> None:
         if key not in TOP_LEVEL:
             reading.wrong((key,), shown(value), _unknown(key, TOP_LEVEL, ()))
     heading = {key: document[key] for key in HEADING if key in document}
-    reading.tables["heading"] = _checked(Heading, heading, (), reading)
+    reading.tables["heading"] = checked(Heading, heading, (), reading)
     reading.tables["sheet"] = _checked_sheet(document.get("sheet", {}), reading)
     for key, model in SINGLE.items():
-        reading.tables[key] = _checked(model, document.get(key, {}), (key,), reading)
+        reading.tables[key] = checked(model, document.get(key, {}), (key,), reading)
     for key, model in NAMED.items():
         reading.tables[key] = _checked_named(model, document.get(key), key, reading)
 
@@ -100,10 +100,10 @@ def _checked_sheet(table: Any, reading: Reading) -> Table | None:
     shape = table.get("shape", "rectangle") if isinstance(table, dict) else "rectangle"
     if isinstance(shape, str) and shape in SHAPES:
         reading.shape = SHAPES[shape]
-        return _checked(SHAPES[shape], table, ("sheet",), reading)
+        return checked(SHAPES[shape], table, ("sheet",), reading)
     guess = did_you_mean(shape, tuple(SHAPES)) if isinstance(shape, str) else ""
     reading.wrong(("sheet", "shape"), shown(shape), f"must be {one_of(tuple(SHAPES))}{guess}")
-    _checked(AnySheetKeys, table, ("sheet",), reading)
+    checked(AnySheetKeys, table, ("sheet",), reading)
     return None
 
 
@@ -114,15 +114,15 @@ def _checked_named(model: type[Table], table: Any, key: str, reading: Reading) -
     if not isinstance(table, dict):
         reading.wrong((key,), shown(table), f"must be tables, as in [{key}.NAME]")
         return None
-    checked = {}
+    entries = {}
     for name, entry in table.items():
         if not NAME_PATTERN.fullmatch(name):
             reading.wrong((key, name), shown(entry), f"the name must be of {NAME_ALLOWED}")
-        checked[name] = _checked(model, entry, (key, name), reading)
-    return checked
+        entries[name] = checked(model, entry, (key, name), reading)
+    return entries
 
 
-def _checked(model: type[Table], table: Any, place: tuple[str, ...], reading: Reading) -> Table | None:
+def checked(model: type[Table], table: Any, place: tuple[str, ...], reading: Reading) -> Table | None:
     """The table as its model, or None with the problems recorded."""
     if not isinstance(table, dict):
         reading.wrong(place, shown(table), f"must be a table, as in [{shown_key(place)}]")
