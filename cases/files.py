@@ -84,6 +84,22 @@ def write_fields(path: Path, solution: Solution) -> None:
     np.savez_compressed(path, **arrays)  # type: ignore[arg-type]
 
 
+def write_snapshots(path: Path, snapshots: Mapping[str, np.ndarray]) -> None:
+    """The arrays `step` (m,), `level` (m,), `kinetic_N_mm` (m,) and `r` (m, ni, nj, 3) mm of the way to the end."""
+    np.savez_compressed(path, **snapshots)  # type: ignore[arg-type]
+
+
+def read_snapshots(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of a snapshots.npz; none where the run kept none and there is no file.
+
+    Raises ValueError, OSError or zipfile.BadZipFile for a damaged file.
+    """
+    if not path.exists():
+        return {}
+    with open(path, "rb") as file, np.load(file, allow_pickle=False) as stored:
+        return {name: stored[name] for name in stored.files}
+
+
 def read_fields(path: Path) -> tuple[Grid, np.ndarray, ZoneFields]:
     """Mesh, deformed positions (ni, nj, 3) mm and zone fields of a fields.npz.
 

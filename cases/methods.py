@@ -123,6 +123,7 @@ def _relaxed_by(model: Model, task: Task) -> Solution:
         max_steps=solver.max_steps,
         max_seconds=solver.max_seconds,
         threads=task.threads,
+        snapshots=solver.snapshots,
     )
     problem = problem_of(task.scene, model, task.seed)
     return solve(problem, model, settings, progress=task.progress, checkpoint=task.checkpoint)

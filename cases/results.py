@@ -12,7 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from cases.files import json_text, read_csv, read_fields, write_csv, write_fields, write_vtu
+from cases.files import (
+    json_text,
+    read_csv,
+    read_fields,
+    read_snapshots,
+    write_csv,
+    write_fields,
+    write_snapshots,
+    write_vtu,
+)
 from cases.folders import write_folder
 from cases.machine import code, machine, peak_memory_MB, versions
 from cases.probe import Columns, Section, measure_section, nodes_per_wrinkle, path_columns, sample_section
@@ -133,6 +142,8 @@ def write_result(
         write_fields(new / "fields.npz", solution)
         write_csv(new / "history.csv", solution.history)
         write_vtu(new / "sheet.vtu", solution)
+        if solution.snapshots:
+            write_snapshots(new / "snapshots.npz", solution.snapshots)
         for kind in ("paths", "sections"):
             (new / kind).mkdir()
         for name, columns in probes.paths.items():
@@ -195,6 +206,7 @@ def _solution(folder: Path, document: dict[str, Any]) -> Solution:
         history=read_csv(folder / "history.csv"),
         warnings=tuple(document["warnings"]),
         levels=tuple(document["levels"]),
+        snapshots=read_snapshots(folder / "snapshots.npz"),
         **{key: document[key] for key in _UNCHANGED},
     )
 

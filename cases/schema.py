@@ -230,6 +230,7 @@ class Solver(Table):
     max_seconds: float = Field(
         1800.0, gt=0.0, le=1e8, description="a positive number of seconds, at most 1e8"
     )
+    snapshots: int = Field(default=0, ge=0, le=1000, description="a whole number from 0 to 1000")
     published: Literal["printed", "filtered", "stabilised"] = "filtered"
 
 

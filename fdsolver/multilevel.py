@@ -17,6 +17,7 @@ from fdsolver.model import Model
 from fdsolver.problem import Problem
 from fdsolver.relax import Progress, Settings, State, begin
 from fdsolver.result import Solution, Status
+from fdsolver.snapshots import Recorder, final_shape
 from fdsolver.solution import assemble
 from fdsolver.stability import relax_to_stable
 from fdsolver.warm import compile_kernels
@@ -143,18 +144,23 @@ def solve(
     run = Run.from_arrays(saved) if saved is not None else None
     at = run.level if run is not None else 0
     level = Level(_on_mesh(problem, model, grids[at], settings), model, grids[at], settings.threads)
-    if run is None:
+    recorder = Recorder(settings.snapshots, settings.damping.startswith("kinetic"))
+    if run is None or saved is None:
         run = Run(begin(level.start()))
+        recorder.look(0, 0, level, run.state)
+    else:
+        recorder.restore(saved)
     while True:
         clock.charge(run)
-        watch = _watcher(run, level, len(grids), settings, clock, progress, checkpoint)
+        watch = _watcher(run, level, len(grids), settings, clock, progress, checkpoint, recorder)
         status, stability = relax_to_stable(level, run.state, run.limits(settings), watch)
         clock.charge(run)
         last = run.level + 1 == len(grids) or status in LAST_STATUS
         if last and checkpoint is not None and status in RESUMABLE:
             if status is not Status.INTERRUPTED:
                 run.limit_steps, run.limit_seconds = run.steps, run.seconds
-            checkpoint.save(run.as_arrays())
+            checkpoint.save({**run.as_arrays(), **recorder.as_arrays()})
+        before = run.steps - run.state.step
         run.finish_level(level)
         if last:
             break
@@ -162,7 +168,11 @@ def solve(
         grid = grids[run.level]
         coarse, level = level, Level(_on_mesh(problem, model, grid, settings), model, grid, settings.threads)
         run.state = begin(level.start_from(coarse, run.state.r))
-    return assemble(model, settings, level, status, stability, run, seconds_compile)
+    solution = assemble(model, settings, level, status, stability, run, seconds_compile)
+    if not settings.snapshots:
+        return solution
+    end = final_shape(run.level, before, level, run.state)
+    return replace(solution, snapshots=recorder.arrays(grids, end))
 
 
 def _on_mesh(problem: Problem, model: Model, grid: Grid, settings: Settings) -> Problem:
@@ -194,19 +204,22 @@ def _watcher(
     clock: _Clock,
     progress: Callable[[Progress], None] | None,
     checkpoint: Store | None,
+    recorder: Recorder,
 ) -> Callable[[State], None]:
-    """What happens between blocks: the progress display, and a checkpoint every few seconds."""
+    """What happens between blocks: the progress display, snapshots, and a checkpoint every few seconds."""
     saved = time.monotonic()
+    before = run.steps - run.state.step
 
     def watch(state: State) -> None:
         nonlocal saved
         clock.charge(run)
+        recorder.look(run.level, before, level, state)
         if progress is not None:
             rate = state.step / state.seconds if state.seconds > 0.0 else 0.0
             place = (run.level + 1, levels, level.grid.nodes, state.step)
             progress(Progress(*place, state.residual, settings.tolerance, rate, run.seconds))
         if checkpoint is not None and time.monotonic() - saved > SAVE_SECONDS:
-            checkpoint.save(run.as_arrays())
+            checkpoint.save({**run.as_arrays(), **recorder.as_arrays()})
             saved = time.monotonic()
 
     return watch

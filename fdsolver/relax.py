@@ -25,9 +25,7 @@ from fdsolver.rows import compiled
 
 BLOCK = 10  # steps between two looks at residual and energy
 MASS_EVERY = 10  # blocks between two updates of the masses
-CAP = (
-    5e-4  # largest speed of a node, lengths L per step: sharp folds form slowly enough to keep zones upright
-)
+CAP = 5e-4  # largest speed of a node, lengths L per step: sharp folds form slowly enough to stay upright
 FASTEST = 4.0  # omega^2 of a motion that central differences of unit step blow up: the masses are too light
 GROWTH = 1.02  # a strain energy above this share of the last total energy is an unstable step
 HEAVIER = 1.5  # factor on all masses at each recovery
@@ -51,6 +49,7 @@ class Settings:
     thicken : coarser levels of a plate get a thickness in proportion to their zone area, so that wrinkles, whose
         length goes with the square root of the thickness, keep their number of nodes. For sheets that fold sharply.
     max_steps, max_seconds : limits of the whole run. threads : bands of rows side by side.
+    snapshots : shapes to keep of the way to the equilibrium (see `snapshots`).
     """
 
     tolerance: float = 1e-6
@@ -61,6 +60,7 @@ class Settings:
     max_steps: int = 400_000
     max_seconds: float = 1800.0
     threads: int = 1
+    snapshots: int = 0
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -80,6 +80,7 @@ class Solution:
     reactions : edge name -> Reaction, for supported edges.
     history : equal-length arrays "level", "step", "energy", "kinetic" (both N mm), "residual", "restart".
     levels : per nested mesh: nodes, steps, residual, energy_N_mm, seconds.
+    snapshots : empty, or the way to the equilibrium (`snapshots.Recorder.arrays`).
     """
 
     method: str
@@ -104,3 +105,4 @@ class Solution:
     levels: tuple[Mapping[str, float], ...]
     threads: int
     seed: int
+    snapshots: Mapping[str, np.ndarray] = field(default_factory=dict)

@@ -191,3 +191,24 @@ def test_the_package_is_light_and_its_names_are_functions(first: str, project: P
     )
     done = subprocess.run([sys.executable, "-c", script], cwd=project, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_snapshots_are_stored_and_read_back(tmp_path: Path, faked: Fake) -> None:
+    grid = meshes.rectangle(100.0, 50.0, 400)
+    made = made_solution(grid, lambda x, y: np.sin(x))
+    shots = {
+        "step": np.array([0, 20]),
+        "level": np.array([0, 0]),
+        "kinetic_N_mm": np.array([0.0, 1 / 3]),
+        "r": np.stack([0.5 * made.r, made.r]),
+    }
+    faked(lambda task: replace(made, snapshots=shots))
+    run(load_scene("strip-tension"), method="tension-field", out=tmp_path / "with")
+    again = load_result(tmp_path / "with").snapshots
+    assert set(again) == set(shots)
+    for name, array in shots.items():
+        np.testing.assert_array_equal(again[name], array)
+    faked(lambda task: made)
+    run(load_scene("strip-tension"), method="tension-field", out=tmp_path / "without")
+    assert not (tmp_path / "without" / "snapshots.npz").exists()
+    assert load_result(tmp_path / "without").snapshots == {}

@@ -56,10 +56,10 @@ def arch(seed: int = 0) -> tuple[Problem, Model]:
 
 CASES: dict[str, tuple[Callable[..., tuple[Problem, Model]], Settings]] = {
     "tension field": (annulus, Settings(tolerance=1e-7, levels=2)),
-    "koiter": (arch, Settings(tolerance=1e-6, levels=2)),
+    "koiter": (arch, Settings(tolerance=1e-6, levels=2, snapshots=6)),
     "koiter, thick on the coarse mesh": (
         arch,
-        Settings(tolerance=1e-6, levels=2, thicken=True, damping="kinetic"),
+        Settings(tolerance=1e-6, levels=2, thicken=True, damping="kinetic", snapshots=6),
     ),
 }
 
@@ -114,6 +114,9 @@ def same_bits(one: Solution, other: Solution) -> None:
     for edge, reaction in one.reactions.items():
         np.testing.assert_array_equal(reaction.force_N, other.reactions[edge].force_N)
         np.testing.assert_array_equal(reaction.moment_N_mm, other.reactions[edge].moment_N_mm)
+    assert set(one.snapshots) == set(other.snapshots)
+    for name, array in one.snapshots.items():
+        np.testing.assert_array_equal(array, other.snapshots[name], err_msg=name)
 
 
 @pytest.mark.parametrize(
