@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from cases.schema import AnnulusSheet, HoleSheet, Scene
 from fdsolver import meshes
 from fdsolver.edges import EdgeCondition
@@ -48,10 +50,26 @@ def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
     """The boundary-value problem of a scene.
 
     Only a plate needs the random start: the membranes have no wrinkles to find, and a plane one stays exactly
-    plane without it.
+    plane without it. Raises ResultError if the scene starts from a folder that holds no result.
     """
     make = grid_of(scene)
     perturbation = scene.start.perturbation if model.bending else 0.0
     return Problem(
-        sheet_of(scene), edges_of(scene), make(scene.mesh.nodes), make, perturbation=perturbation, seed=seed
+        sheet_of(scene),
+        edges_of(scene),
+        make(scene.mesh.nodes),
+        make,
+        perturbation=perturbation,
+        seed=seed,
+        initial=_initial(scene),
     )
+
+
+def _initial(scene: Scene) -> tuple[Grid, np.ndarray] | None:
+    """Mesh and positions (ni, nj, 3) mm of the result folder that the scene starts from, None if it names none."""
+    if scene.start.source is None:
+        return None
+    from cases.results import load_result
+
+    solution = load_result(scene.start.source)
+    return solution.grid, solution.r

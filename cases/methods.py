@@ -133,7 +133,9 @@ def _refuse_options(scene: Scene, method: Method) -> None:
     """Refuse keys whose meaning would otherwise silently be dropped. Raises MethodError."""
     later = {
         f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none",
-        f"start.from = {scene.start.source!r}": scene.start.source is not None,
+        f"start.from = {scene.start.source!r}": (scene.start.source or "").startswith("mode:"),
+        f"start.from = {scene.start.source!r} with a closed form": method.name == "exact"
+        and scene.start.source is not None,
         "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate",
         "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off",
         "effects.bending = 'off' with a plate": scene.effects.bending == "off" and method.bending,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -62,7 +63,7 @@ def run(
     _check_numbers(nodes, seed, threads, tolerance)
     chosen, why = choose(scene, method)
     resolved = with_numbers(scene, chosen, nodes, tolerance)
-    identity = scene_hash(resolved, chosen.name, seed=seed)
+    identity = scene_hash(resolved, chosen.name, seed=seed, start=_fingerprint(resolved))
     checkpoint = None
     if out is not None:
         out = Path(out)
@@ -80,6 +81,17 @@ def run(
             out, solution, resolved, probes, effects_of(chosen), identity, keep_checkpoint=unfinished
         )
     return solution
+
+
+def _fingerprint(scene: Scene) -> str | None:
+    """What identifies the state that the scene starts from, whatever its folder is called; None if it names none.
+
+    Raises ResultError if there is no such state.
+    """
+    if scene.start.source is None:
+        return None
+    solution = load_result(scene.start.source)
+    return hashlib.sha256(solution.grid.u.tobytes() + solution.r.tobytes()).hexdigest()
 
 
 def _check_numbers(nodes: int | None, seed: int, threads: int, tolerance: float | None) -> None:

@@ -12,7 +12,7 @@ from fdsolver.effects import Force, build_force
 from fdsolver.grid import Grid
 from fdsolver.model import Model
 from fdsolver.problem import Problem
-from fdsolver.start import fixed_nodes, perturb, smooth_start
+from fdsolver.start import carried_start, fixed_nodes, perturb, smooth_start
 from fdsolver.transfer import prolong
 
 Projection = Callable[[np.ndarray], np.ndarray]
@@ -63,7 +63,9 @@ class Level:
 
     def start(self) -> np.ndarray:
         """The interpolated start with its perturbation, (3, ni, nj) scaled."""
-        return self.scaled(self._perturbed(smooth_start(self.grid, self.problem.edges)))
+        grid, edges, initial = self.grid, self.problem.edges, self.problem.initial
+        r = smooth_start(grid, edges) if initial is None else carried_start(grid, edges, *initial)
+        return self.scaled(self._perturbed(r))
 
     def start_from(self, coarse: Level, r: np.ndarray) -> np.ndarray:
         """The state r of a coarser level on this mesh, with this mesh's own edge positions; (3, ni, nj) scaled."""

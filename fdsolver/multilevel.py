@@ -137,7 +137,9 @@ def solve(
     """
     numba.set_num_threads(settings.threads)
     seconds_compile = compile_kernels(problem, model, settings.threads)
-    counts = level_nodes(problem.grid.nodes, settings.levels)
+    # A given state would lose its wrinkles on a coarse mesh.
+    levels = 1 if settings.levels is None and problem.initial is not None else settings.levels
+    counts = level_nodes(problem.grid.nodes, levels)
     grids = [problem.grid_of(nodes) for nodes in counts[:-1]] + [problem.grid]
     clock = _Clock()
     saved = checkpoint.load() if checkpoint is not None else None

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from fdsolver.edges import EdgeCondition
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
@@ -17,6 +19,7 @@ class Problem:
     grid_of : node count -> Grid of the same shape and map, for the coarser levels of a nested run.
     perturbation : amplitude of the random out-of-plane start at the free nodes, in units of grid.length_mm.
     seed : of that perturbation.
+    initial : mesh and positions (ni, nj, 3), mm, of a state to start from instead of the uniform start; None: uniform.
     """
 
     sheet: Sheet
@@ -25,3 +28,4 @@ class Problem:
     grid_of: Callable[[int], Grid]
     perturbation: float = 1e-6
     seed: int = 0
+    initial: tuple[Grid, np.ndarray] | None = None

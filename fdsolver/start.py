@@ -9,8 +9,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import splu
 
 from fdsolver.edges import EdgeCondition
-from fdsolver.grid import Grid
+from fdsolver.grid import Grid, GridError
 from fdsolver.membrane import zone_constants
+from fdsolver.transfer import prolong
+
+SAME_SIZE = 1e-2  # of the sheet: the outermost nodes of a coarse ring lie beside the axes
 
 
 def fixed_nodes(grid: Grid, edges: Mapping[str, EdgeCondition]) -> np.ndarray:
@@ -54,6 +57,40 @@ def smooth_start(grid: Grid, edges: Mapping[str, EdgeCondition]) -> np.ndarray:
         fixed[nodes] = True
     parameters = _harmonic(grid, fixed, given) if fixed.any() else given
     return moved(grid.u, parameters[..., 0], parameters[..., 1], parameters[..., 2:])
+
+
+def carried_start(grid: Grid, edges: Mapping[str, EdgeCondition], source: Grid, r: np.ndarray) -> np.ndarray:
+    """Positions of another state of the same sheet, with the edges where these conditions want them.
+
+    source, r : mesh and (source.ni, source.nj, 3) positions, mm, of that state. What the supported edges move further
+    is carried harmonically into the sheet, so that a state found at one pull starts the run at another.
+
+    Returns (ni, nj, 3) float64, mm. Raises GridError if the two meshes are not of one sheet.
+    """
+    differ = np.abs(_extent(grid) - _extent(source)) > SAME_SIZE * _extent(grid)
+    if grid.shape != source.shape or differ.any():
+        raise GridError(
+            f"the start is a {source.shape} of {_described(source)}, the scene a {grid.shape} of {_described(grid)}"
+        )
+    flat = np.zeros((source.ni, source.nj, 3))
+    flat[..., :2] = source.u
+    carried = prolong(r - flat, source, grid)
+    carried[..., :2] += grid.u
+    fixed = fixed_nodes(grid, edges)
+    if not fixed.any():
+        return carried
+    missing = np.where(fixed[..., None], smooth_start(grid, edges) - carried, 0.0)
+    return carried + _harmonic(grid, fixed, missing)
+
+
+def _extent(grid: Grid) -> np.ndarray:
+    """(2,) mm, size of the mesh along x and y."""
+    return np.ptp(grid.u.reshape(-1, 2), axis=0)
+
+
+def _described(grid: Grid) -> str:
+    width, height = _extent(grid)
+    return f"{width:.6g} x {height:.6g} mm"
 
 
 def _harmonic(grid: Grid, fixed: np.ndarray, given: np.ndarray) -> np.ndarray:

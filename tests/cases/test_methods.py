@@ -49,7 +49,8 @@ def test_methods_of_later_versions_say_so(name: str) -> None:
     ("method", "key", "value"),
     [
         ("tension-field", "symmetry.reduce", "half-x"),
-        ("tension-field", "start.from", "runs/other"),
+        ("tension-field", "start.from", "mode:1"),
+        ("exact", "start.from", "runs/other"),
         ("koiter", "effects.kinematics", "moderate"),
         ("koiter", "effects.out_of_plane", "off"),
         ("koiter", "effects.bending", "off"),

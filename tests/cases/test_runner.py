@@ -12,10 +12,12 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cases import load_result, load_scene, run
 from cases.methods import Task
+from cases.results import ResultError
 from cases.runner import FolderRefused
 from fdsolver import meshes
 from fdsolver.checkpoint import CheckpointError, StorageError
@@ -210,3 +212,24 @@ def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(StorageError, match="Could not write .*: Not a directory"):
         run(load_scene("strip-tension"), method="exact", nodes=400, out=tmp_path / "file" / "out")
+
+
+def test_a_run_starts_from_a_result_folder_and_is_another_run_than_one_from_elsewhere(tmp_path: Path) -> None:
+    scene = load_scene("annulus-lift", {"mesh.nodes": 500})
+    first = run(scene, method="tension-field", out=tmp_path / "first")
+    start = load_scene("annulus-lift", {"mesh.nodes": 500, "start.from": str(tmp_path / "first")})
+    again = run(start, method="tension-field", out=tmp_path / "again")
+    assert again.steps == 0 and first.steps > 0
+    np.testing.assert_allclose(again.r, first.r, rtol=0.0, atol=1e-12)
+    # the start is part of what names a run: another state in the same folder is another run
+    assert run(start, method="tension-field", out=tmp_path / "again").steps == 0
+    run(scene, method="tension-field", tolerance=1e-3, out=tmp_path / "first", force=True)
+    with pytest.raises(FolderRefused, match="another scene, mesh or setting"):
+        run(start, method="tension-field", out=tmp_path / "again")
+
+
+def test_a_start_that_is_no_result_folder_is_refused(tmp_path: Path) -> None:
+    scene = load_scene("strip-tension", {"start.from": str(tmp_path)})
+    with pytest.raises(ResultError, match="holds no result"):
+        run(scene, method="tension-field", out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
