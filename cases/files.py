@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from cases.unstructured import AnySolution, FiniteElementSolution
 from fdsolver.grid import Grid
 from fdsolver.result import Solution, ZoneFields
 
@@ -142,13 +143,19 @@ def quadrilaterals(grid: Grid) -> np.ndarray:
     return np.stack(corners, axis=-1).reshape(-1, 4)
 
 
-def write_vtu(path: Path, solution: Solution) -> None:
+def write_vtu(path: Path, solution: AnySolution) -> None:
     """The deformed sheet as an unstructured grid for ParaView: reference positions, displacement, zone
-    fields.
+    fields, buckling modes.
     """
     import meshio
 
     grid = solution.grid
+    modes: dict[str, np.ndarray] = {}
+    if isinstance(solution, FiniteElementSolution):
+        cells = solution.grid.cells
+        modes = {f"mode_{k + 1}": mode for k, mode in enumerate(solution.modes)}
+    else:
+        cells = quadrilaterals(solution.grid)
     deformed = solution.r.reshape(-1, 3)
     reference = np.zeros_like(deformed)
     reference[:, :2] = grid.u.reshape(-1, 2)
@@ -157,8 +164,8 @@ def write_vtu(path: Path, solution: Solution) -> None:
     fields["state"] = fields["state"].astype(np.int32)
     mesh = meshio.Mesh(
         deformed,
-        [("quad", quadrilaterals(grid))],
-        point_data={"reference_mm": reference, "displacement_mm": deformed - reference},
+        [("quad" if cells.shape[1] == 4 else "triangle", cells)],
+        point_data={"reference_mm": reference, "displacement_mm": deformed - reference, **modes},
         cell_data={name: [values] for name, values in fields.items()},
     )
     mesh.write(path, file_format="vtu")

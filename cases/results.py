@@ -27,8 +27,12 @@ from cases.machine import code, machine, peak_memory_MB, versions
 from cases.probe import Columns, Section, measure_section, nodes_per_wrinkle, path_columns, sample_section
 from cases.scene_text import scene_toml
 from cases.schema import Scene
+from cases.unstructured import AnySolution, FiniteElementMesh, FiniteElementSolution
+from cases.unstructured_files import read_cells, write_cells
+from cases.unstructured_probe import path_columns as cell_path_columns
+from cases.unstructured_probe import sample_section as sample_cell_section
 from fdsolver.checkpoint import UNREADABLE
-from fdsolver.grid import quality
+from fdsolver.grid import Grid, quality
 from fdsolver.material import Sheet
 from fdsolver.result import Reaction, Solution, Status
 
@@ -52,22 +56,25 @@ class Probes:
     nodes_per_wrinkle: float | None
 
 
-def probe(solution: Solution, scene: Scene) -> Probes:
+def probe(solution: AnySolution, scene: Scene) -> Probes:
     """Measure a solution along the paths and sections of its scene; nothing if a position is not finite.
 
     Raises ProbeError for a line off the sheet.
     """
     if not np.isfinite(solution.r).all():
         return Probes({}, {}, None)
-    paths = {name: path_columns(solution, name, line) for name, line in scene.paths.items()}
-    sections = {
-        name: sample_section(solution.grid, solution.r, line) for name, line in scene.sections.items()
-    }
+    lines = scene.sections.items()
+    if isinstance(solution, FiniteElementSolution):
+        paths = {name: cell_path_columns(solution, name, line) for name, line in scene.paths.items()}
+        sections = {name: sample_cell_section(solution.grid, solution.r, line) for name, line in lines}
+    else:
+        paths = {name: path_columns(solution, name, line) for name, line in scene.paths.items()}
+        sections = {name: sample_section(solution.grid, solution.r, line) for name, line in lines}
     return Probes(paths, sections, nodes_per_wrinkle(sections.values(), solution.sheet.thickness_mm))
 
 
 def result_document(
-    solution: Solution, scene: Scene, probes: Probes, effects: Mapping[str, Any], scene_hash: str
+    solution: AnySolution, scene: Scene, probes: Probes, effects: Mapping[str, Any], scene_hash: str
 ) -> dict[str, Any]:
     """The contract's keys of result.json; `mesh` (counts and quality) and `levels` (nested meshes) are our
     additions.
@@ -102,26 +109,34 @@ def result_document(
         "nodes_per_wrinkle": probes.nodes_per_wrinkle,
         "stability": {part: solution.stability.get(part) for part in ("stable", "how", "lowest")},
         "effects": effects,
-        "errors": [],
+        "errors": solution.errors if isinstance(solution, FiniteElementSolution) else [],
         "warnings": solution.warnings,
         "sections": {
             name: asdict(measure_section(section, thickness)) for name, section in probes.sections.items()
         },
-        "buckling": {"critical": []},
+        "buckling": {"critical": solution.critical if isinstance(solution, FiniteElementSolution) else []},
         "versions": versions(),
         "machine": machine(),
         "threads": solution.threads,
         "seed": solution.seed,
         "code": code(),
         "scene_hash": scene_hash,
-        "mesh": {"ni": grid.ni, "nj": grid.nj, **asdict(quality(grid))},
+        "mesh": _mesh_document(grid),
         "levels": solution.levels,
     }
 
 
+def _mesh_document(grid: Grid | FiniteElementMesh) -> dict[str, Any]:
+    """Counts and quality of a mesh; `cells` tells a finite-element mesh from a grid."""
+    if isinstance(grid, FiniteElementMesh):
+        kind = "triangles" if grid.cells.shape[1] == 3 else "quadrilaterals"
+        return {"cells": kind, "smallest_zone_area_mm2": grid.zone_area.min()}
+    return {"ni": grid.ni, "nj": grid.nj, **asdict(quality(grid))}
+
+
 def write_result(
     folder: Path,
-    solution: Solution,
+    solution: AnySolution,
     scene: Scene,
     probes: Probes,
     effects: Mapping[str, Any],
@@ -139,7 +154,10 @@ def write_result(
     def fill(new: Path) -> None:
         (new / "result.json").write_text(json_text(document), encoding="utf-8")
         (new / "scene.toml").write_text(scene_toml(scene), encoding="utf-8")
-        write_fields(new / "fields.npz", solution)
+        if isinstance(solution, FiniteElementSolution):
+            write_cells(new / "fields.npz", solution)
+        else:
+            write_fields(new / "fields.npz", solution)
         write_csv(new / "history.csv", solution.history)
         write_vtu(new / "sheet.vtu", solution)
         if solution.snapshots:
@@ -170,10 +188,10 @@ def read_document(folder: Path | str) -> dict[str, Any]:
     return document
 
 
-def load_result(folder: Path | str) -> Solution:
-    """The Solution that a result folder stores.
+def load_result(folder: Path | str) -> AnySolution:
+    """The Solution (of a finite-element method: FiniteElementSolution) that a result folder stores.
 
-    Raises ResultError for a folder that holds no result of a structured mesh, or a damaged one.
+    Raises ResultError for a folder that holds no result, or a damaged one.
     """
     folder = Path(folder)
     document = read_document(folder)
@@ -184,31 +202,33 @@ def load_result(folder: Path | str) -> Solution:
         raise ResultError(f"The result folder {folder} is damaged: {text}.") from reason
 
 
-def _solution(folder: Path, document: dict[str, Any]) -> Solution:
-    grid, r, zone = read_fields(folder / "fields.npz")
+def _solution(folder: Path, document: dict[str, Any]) -> AnySolution:
     scene = tomllib.loads((folder / "scene.toml").read_text(encoding="utf-8"))
     material = scene["material"]
     reactions = {
         edge: Reaction(np.array(part["force_N"], dtype=float), np.array(part["moment_N_mm"], dtype=float))
         for edge, part in document["reactions"].items()
     }
-    return Solution(
-        method=document["method"],
-        status=_status(document["status"]),
-        message=document["message"],
-        grid=grid,
-        sheet=Sheet(material["young_MPa"], material["poisson"], scene["sheet"]["thickness_mm"]),
-        r=r,
-        residual=_number(document["residual"]),
-        energy_N_mm={part: _number(value) for part, value in document["energy_N_mm"].items()},
-        reactions=reactions,
-        zone=zone,
-        history=read_csv(folder / "history.csv"),
-        warnings=tuple(document["warnings"]),
-        levels=tuple(document["levels"]),
-        snapshots=read_snapshots(folder / "snapshots.npz"),
+    common: dict[str, Any] = {
+        "method": document["method"],
+        "status": _status(document["status"]),
+        "message": document["message"],
+        "sheet": Sheet(material["young_MPa"], material["poisson"], scene["sheet"]["thickness_mm"]),
+        "residual": _number(document["residual"]),
+        "energy_N_mm": {part: _number(value) for part, value in document["energy_N_mm"].items()},
+        "reactions": reactions,
+        "history": read_csv(folder / "history.csv"),
+        "warnings": tuple(document["warnings"]),
+        "levels": tuple(document["levels"]),
+        "snapshots": read_snapshots(folder / "snapshots.npz"),
         **{key: document[key] for key in _UNCHANGED},
-    )
+    }
+    if "cells" in document["mesh"]:
+        stored = read_cells(folder / "fields.npz")
+        critical, errors = document["buckling"]["critical"], document["errors"]
+        return FiniteElementSolution(**common, **vars(stored), critical=tuple(critical), errors=tuple(errors))
+    grid, r, zone = read_fields(folder / "fields.npz")
+    return Solution(**common, grid=grid, r=r, zone=zone)
 
 
 _UNCHANGED = (

@@ -1,0 +1,100 @@
+"""What a finite-element method returns: a mesh without rows, the sheet on it, modes and critical factors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fdsolver.material import Sheet
+from fdsolver.result import Reaction, Solution, Status, ZoneFields
+
+
+@dataclass(frozen=True)
+class FiniteElementMesh:
+    """Triangles or quadrilaterals of a plane sheet; `nodes` and `zones` are counts, as of a Grid.
+
+    shape : of the sheet, as in a scene. u : (n, 2) float64, mm, reference positions of the vertices.
+    cells : (m, 3) or (m, 4) int64, vertices counter-clockwise.
+
+    Raises ValueError for arrays that are none of these.
+    """
+
+    shape: str
+    u: np.ndarray
+    cells: np.ndarray
+
+    def __post_init__(self) -> None:
+        if self.u.ndim != 2 or self.u.shape[1] != 2 or not np.isfinite(self.u).all():
+            raise ValueError(f"u must be finite and of the shape (n, 2), not {self.u.shape}")
+        if self.cells.ndim != 2 or self.cells.shape[1] not in (3, 4) or self.cells.size == 0:
+            raise ValueError(f"cells must have the shape (m, 3) or (m, 4), not {self.cells.shape}")
+        if self.cells.min() < 0 or self.cells.max() >= len(self.u):
+            raise ValueError(f"cells name vertices outside 0 to {len(self.u) - 1}")
+
+    @property
+    def nodes(self) -> int:
+        """Number of vertices."""
+        return len(self.u)
+
+    @property
+    def zones(self) -> int:
+        """Number of cells."""
+        return len(self.cells)
+
+    @cached_property
+    def zone_area(self) -> np.ndarray:
+        """(m,) float64, mm^2, of each cell by the shoelace formula."""
+        x, y = self.u[self.cells].transpose(2, 0, 1)
+        return 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
+
+    @cached_property
+    def node_area(self) -> np.ndarray:
+        """(n,) float64, mm^2. The cells' areas shared equally among their vertices."""
+        corners = self.cells.shape[1]
+        share = np.repeat(self.zone_area / corners, corners)
+        return np.bincount(self.cells.ravel(), share, minlength=self.nodes)
+
+
+@dataclass(frozen=True)
+class FiniteElementSolution:
+    """The answer of a finite-element method; fields of the same name are those of `fdsolver.result.Solution`.
+
+    grid : the mesh. r : (n, 3) float64, mm. zone : arrays (m,), one value per cell.
+    modes : (k, n) float64, heights of the buckling modes at the vertices, largest 1; k = 0 where there are none.
+    critical : one mapping per mode, ascending: `factor` of the scene's own load, `parity` and what else is known.
+    errors : entries of `errors` in result.json.
+    """
+
+    method: str
+    status: Status
+    message: str
+    grid: FiniteElementMesh
+    sheet: Sheet
+    r: np.ndarray
+    steps: int
+    force_evaluations: int
+    residual: float
+    seconds: float
+    cpu_seconds: float
+    seconds_compile: float
+    energy_N_mm: Mapping[str, float]
+    reactions: Mapping[str, Reaction]
+    zone: ZoneFields
+    history: Mapping[str, np.ndarray]
+    hourglass: Mapping[str, float | None]
+    stability: Mapping[str, object]
+    warnings: tuple[str, ...]
+    levels: tuple[Mapping[str, float], ...]
+    threads: int
+    seed: int
+    modes: np.ndarray
+    critical: tuple[Mapping[str, Any], ...] = ()
+    errors: tuple[Mapping[str, Any], ...] = ()
+    snapshots: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+
+AnySolution = Solution | FiniteElementSolution
