@@ -51,6 +51,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _command(arguments: argparse.Namespace, interruption: Interruption) -> int:
     if arguments.command == "report":
         return _report(arguments, interruption)
+    if arguments.command == "study":
+        from cases.study_command import study
+
+        return study(arguments, interruption)
     from cases import commands
 
     run = {
@@ -114,7 +118,7 @@ def _complain(sentences: Sequence[str], code: int) -> int:
 
 def _how_to_resume(words: Sequence[str]) -> str:
     again = shlex.join(["wrinkle", *words])
-    resumable = bool(words) and words[0] in ("run", "compare", "report")
+    resumable = bool(words) and words[0] in ("run", "compare", "report", "study")
     return f"interrupted; finished results are kept, `{again}` goes on" if resumable else "interrupted"
 
 

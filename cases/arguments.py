@@ -11,7 +11,6 @@ LATER = {
     "plan": "effects, wavelength, nodes and cost of a scene before it is solved",
     "cost": "error against time for every method and mesh",
     "hard": "the table of hard cases",
-    "study": "a parameter study",
 }
 BAD_INPUT = 2
 
@@ -83,6 +82,9 @@ def build() -> tuple[Parser, dict[str, Parser]]:
         "report": _report(
             commands.add_parser("report", help="all scenes, all methods: index.html and report.pdf")
         ),
+        "study": _study(
+            commands.add_parser("study", help="a parameter study: one result per point, one table")
+        ),
         "doctor": _doctor(commands.add_parser("doctor", help="versions, cores, cache, what is missing")),
     }
     for name, what in LATER.items():
@@ -139,6 +141,16 @@ def _report(parser: Parser) -> Parser:
     parser.add_argument("--scenes", metavar="A,B,..", help="only these scenes, separated by commas")
     parser.add_argument("--out", metavar="DIR", help="folder (default: report)")
     parser.add_argument("--quiet", action="store_true", help="no progress display")
+    return parser
+
+
+def _study(parser: Parser) -> Parser:
+    parser.add_argument("study", metavar="STUDY", help="a built-in study or a TOML file")
+    parser.add_argument("--jobs", metavar="N", help="processes at a time (default: one per core)")
+    parser.add_argument("--cluster", metavar="slurm", help="hand the points to this queue (needs submitit)")
+    parser.add_argument("--out", metavar="DIR", help="folder (default: runs/STUDY-study)")
+    parser.add_argument("--resume", action="store_true", help="go on past step and time limits")
+    parser.add_argument("--quiet", action="store_true", help="no progress lines")
     return parser
 
 

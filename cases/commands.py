@@ -145,9 +145,9 @@ def read_request(arguments: argparse.Namespace, methods: Sequence[str] | None) -
         scene = load_scene(arguments.scene, arguments.set)
     except SceneError as error:
         problems += error.problems
-    nodes = _whole("--nodes", arguments.nodes, SMALLEST_NODES, LARGEST_NODES, problems)
-    seed = _whole("--seed", arguments.seed, 0, LARGEST_SEED, problems)
-    threads = _whole("--threads", arguments.threads, 1, MOST_THREADS, problems)
+    nodes = whole_number("--nodes", arguments.nodes, SMALLEST_NODES, LARGEST_NODES, problems)
+    seed = whole_number("--seed", arguments.seed, 0, LARGEST_SEED, problems)
+    threads = whole_number("--threads", arguments.threads, 1, MOST_THREADS, problems)
     tolerance = _tolerance(arguments.tol, problems)
     chosen = _methods(methods or (), problems)
     if problems or scene is None:
@@ -155,7 +155,7 @@ def read_request(arguments: argparse.Namespace, methods: Sequence[str] | None) -
     return Request(scene, chosen, nodes, seed or 0, threads or 1, tolerance)
 
 
-def _whole(option: str, text: str | None, low: int, high: int, problems: list[Problem]) -> int | None:
+def whole_number(option: str, text: str | None, low: int, high: int, problems: list[Problem]) -> int | None:
     """A whole number in a range; None (and a problem, if something was given) otherwise."""
     if text is None:
         return None

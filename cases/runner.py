@@ -19,6 +19,7 @@ from cases.results import (
     read_document,
     write_result,
 )
+from cases.scene import SceneError, load_scene
 from cases.scene_text import scene_hash, scene_toml
 from cases.schema import LARGEST_NODES, SMALLEST_NODES, Scene
 from fdsolver.checkpoint import Checkpoint, storage_error, write_atomically
@@ -67,7 +68,7 @@ def run(
     checkpoint = None
     if out is not None:
         out = Path(out)
-        stored = _stored(out, identity, scene_toml(resolved), resume, force)
+        stored = _stored(out, identity, resolved, resume, force)
         if stored is not None:
             return stored
         checkpoint = _open(out, resolved, identity, fresh=force and not resume)
@@ -112,7 +113,7 @@ def _whole(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _stored(out: Path, identity: str, scene_text: str, resume: bool, force: bool) -> Solution | None:
+def _stored(out: Path, identity: str, scene: Scene, resume: bool, force: bool) -> Solution | None:
     """The finished result of this very run in `out`, or None if there is something to solve.
 
     Raises FolderRefused for a folder that holds anything else (unless it is a run and `force` replaces it).
@@ -126,7 +127,7 @@ def _stored(out: Path, identity: str, scene_text: str, resume: bool, force: bool
     if force:
         return None
     if "result.json" not in names:
-        if _same_scene(out, scene_text):
+        if _same_scene(out, scene):
             return None
         raise FolderRefused(f"{out} holds an unfinished run of something else; --force replaces it.")
     document = _document(out)
@@ -151,13 +152,13 @@ def _document(out: Path) -> dict:
         raise FolderRefused(f"{reason} --force replaces it.") from reason
 
 
-def _same_scene(out: Path, scene_text: str) -> bool:
-    """Whether an unfinished run in `out` began from this scene (its checkpoint names method and seed
-    itself).
+def _same_scene(out: Path, scene: Scene) -> bool:
+    """Whether an unfinished run in `out` began from this scene, whatever its limits (its checkpoint names method and
+    seed itself).
     """
     try:
-        return (out / "scene.toml").read_text(encoding="utf-8") == scene_text
-    except (OSError, ValueError):
+        return scene_hash(load_scene(out / "scene.toml"), "") == scene_hash(scene, "")
+    except (SceneError, OSError):
         return False
 
 
