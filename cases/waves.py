@@ -58,15 +58,25 @@ def mirror_correlation(s: np.ndarray, z: np.ndarray) -> float:
 
 
 def count_half_waves(z: np.ndarray, closed: bool = False) -> int:
-    """Sign changes (plus one if open) between the outermost extrema above 5 % of the amplitude.
+    """Zero crossings (plus one if open) between the outermost extrema above 5 % of the amplitude."""
+    return len(zero_crossings(np.arange(len(z), dtype=float), z, closed)) + (0 if closed else 1)
 
-    Samples within the noise of zero have no sign.
+
+def zero_crossings(s: np.ndarray, z: np.ndarray, closed: bool = False) -> np.ndarray:
+    """Places (m,), mm, where the profile z (n,) at s (n,) changes its sign, rising.
+
+    Of an open profile only those between the outermost extrema above 5 % of the amplitude: beyond, a flat sheet crosses
+    zero at random. Samples within the noise of zero have no sign. closed : the last sample repeats the first.
     """
     amplitude = np.abs(z).max()
-    high = np.flatnonzero(np.abs(z) >= LEVEL * amplitude)
-    part = z if closed else z[high[0] : high[-1] + 1]
-    sign = np.sign(part[np.abs(part) > max(NOISE_FACTOR * noise(z), 1e-9 * amplitude)])
-    changes = int(np.count_nonzero(np.diff(sign)))
-    if closed:
-        return changes + int(len(sign) > 0 and sign[0] != sign[-1])
-    return changes + 1
+    signed = np.flatnonzero(np.abs(z) > max(NOISE_FACTOR * noise(z), 1e-9 * amplitude))
+    if not closed:
+        high = np.flatnonzero(np.abs(z) >= LEVEL * amplitude)
+        signed = signed[(signed >= high[0]) & (signed <= high[-1])]
+    before, after = signed[:-1], signed[1:]
+    change = z[before] * z[after] < 0.0
+    before, after = before[change], after[change]
+    places = s[before] + (s[after] - s[before]) * z[before] / (z[before] - z[after])
+    if closed and len(signed) and z[signed[0]] * z[signed[-1]] < 0.0:
+        places = np.append(places, s[-1])
+    return places

@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cases.halfwaves import half_waves, noise, smallest_wavelength_ratio, turning_points
-from cases.waves import count_half_waves, measure
+from cases.waves import count_half_waves, measure, zero_crossings
 
 S = np.linspace(0.0, 100.0, 2001)
 # Positions of zeros come from linear interpolation between samples: far below 1e-3 of a wave of 100 samples.
@@ -204,3 +204,20 @@ def test_any_profile_is_measured(values: list[float], closed: bool) -> None:
     assert not closed or len(waves.start_mm) % 2 == 0
     assert (waves.end_mm - waves.start_mm).sum() <= 10.0 * (1.0 + 1e-9)
     assert found.wavelength_mm is None or 0.0 <= found.wavelength_mm <= 40.0
+
+
+@pytest.mark.parametrize("share", [0.0, 0.02])
+def test_zero_crossings_are_where_they_are(share: float) -> None:
+    """sin(2 pi s / 10) from 0 to 100 crosses at 5, 10, ..., 95; the ends are no crossings, nor is noise."""
+    z = np.sin(2.0 * np.pi * S / 10.0) + share * np.random.default_rng(2).standard_normal(S.shape)
+    places = zero_crossings(S, z)
+    # noise has no sign within five deviations of zero: 0.1 / slope 0.63 on either side
+    np.testing.assert_allclose(places, np.arange(5.0, 96.0, 5.0), rtol=0.0, atol=CLOSE + 5.0 * share)
+    assert len(places) + 1 == count_half_waves(z)
+
+
+def test_zero_crossings_of_a_closed_profile_and_of_one_that_has_none() -> None:
+    assert len(zero_crossings(S, np.cos(2.0 * np.pi * S / 10.0), closed=True)) == 20
+    # a crossing at the seam belongs to the round too
+    assert len(zero_crossings(S, np.sin(2.0 * np.pi * S / 10.0), closed=True)) == 20
+    assert len(zero_crossings(S, 1.0 + 0.1 * np.sin(S))) == 0
