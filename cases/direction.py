@@ -80,8 +80,10 @@ def _local_mean(grid: Grid, field: np.ndarray, window_mm: float) -> np.ndarray:
     """Mean of a zone field in a Gaussian window, weighted by area; beyond the sheet there is nothing."""
     steps = np.diff(grid.u, axis=0), np.diff(grid.u, axis=1)
     sizes = [window_mm / float(np.median(np.linalg.norm(step, axis=-1))) for step in steps]
-    round_the_ring: Literal["wrap", "constant"] = "wrap" if grid.closed else "constant"
-    modes = (round_the_ring, "constant")
+    modes: tuple[Literal["wrap", "constant"], Literal["constant"]] = (
+        "wrap" if grid.closed else "constant",
+        "constant",
+    )
     weighted = gaussian_filter(grid.zone_area * field, sizes, mode=modes)
     area = gaussian_filter(grid.zone_area, sizes, mode=modes)
     return weighted / area
