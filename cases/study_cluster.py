@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import shutil
+import subprocess
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +22,8 @@ from cases.study_worker import LOGS, note, note_path, solve_point
 if TYPE_CHECKING:
     import submitit
 
-POLL_SECONDS = 1.0
+POLL_SECONDS = 2.0
+GRACE_SECONDS = 30.0  # a file written on a node may reach this machine late
 # beside the solve's own limit: queueing of files, start of Python, compilation, writing of the result
 SPARE_MINUTES = 10
 MOST_AT_ONCE = 1000
@@ -72,18 +74,36 @@ def solve_on_cluster(
     except Exception as reason:  # submitit wraps what sbatch says in errors of its own
         raise ClusterError(f"Slurm did not take the jobs: {reason}") from reason
     running = dict(zip(submitted, points, strict=True))
+    seen = dict.fromkeys(running, time.monotonic())
     try:
         while running:
             if interruption is not None:
                 interruption.check()
-            for job in [job for job in running if job.done()]:
-                point = running.pop(job)
-                _conclude(point, out, job)
-                finished(point)
+            queued = _queued(next(iter(running)).job_id.partition("_")[0])
+            for job in list(running):
+                if queued is None or job.job_id in queued:
+                    seen[job] = time.monotonic()
+                left = time.monotonic() - seen[job] > GRACE_SECONDS
+                if left or job.paths.result_pickle.exists():
+                    point = running.pop(job)
+                    _conclude(point, out, job)
+                    finished(point)
             time.sleep(POLL_SECONDS)
     finally:
         for job in running:
             job.cancel()
+
+
+def _queued(array: str) -> set[str] | None:
+    """The jobs of an array that wait or run; None if Slurm does not answer.
+
+    The queue is asked, not the accounts: not every cluster keeps any.
+    """
+    asked = ["squeue", "--noheader", "--array", "--format=%i", f"--jobs={array}"]
+    answer = subprocess.run(asked, capture_output=True, text=True)
+    if answer.returncode == 0:
+        return set(answer.stdout.split())
+    return set() if "Invalid job id" in answer.stderr else None
 
 
 def _solve(job: PointJob) -> str:
@@ -121,7 +141,10 @@ def _longest_seconds(points: Sequence[Point]) -> float:
 
 def _conclude(point: Point, out: Path, job: Any) -> None:
     """Note the end of a job that left neither result nor note of its own."""
-    reason = job.exception()
-    if reason is not None and not note_path(out, point.name).exists():
-        ended = f"Its job {job.job_id} ended as {job.state}"
+    if note_path(out, point.name).exists():
+        return
+    if not job.paths.result_pickle.exists():
+        ended = f"Its job {job.job_id} left the queue without a result"
         note(out, point.name, "died", f"{ended}; the study, started again, goes on from its checkpoint.")
+    elif (reason := job.exception()) is not None:
+        note(out, point.name, "failed", f"Its job {job.job_id} failed: {reason}")
