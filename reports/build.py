@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from reports import section_annulus, section_hole, section_other, section_sheets
+from reports import (
+    section_annulus,
+    section_hole,
+    section_ladder,
+    section_other,
+    section_shear,
+    section_stretch,
+)
 from reports.content import Report, Section
-from reports.plan import LADDER, ReportRun
+from reports.plan import LADDER
+from reports.run import ReportRun
 from reports.stored import Stored
 
 
@@ -23,14 +31,15 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
     """
     scenes = {stored.run.scene for stored in results.values()}
     sections: list[Section] = [section_other.summary(results, full)]
-    if "annulus" in scenes:
-        sections.append(section_annulus.build(results))
-    if "hole" in scenes:
-        sections.append(section_hole.build(results))
-    if "stretch" in scenes:
-        sections.append(section_sheets.stretch(results))
+    built = (
+        ("stretch", section_stretch),
+        ("shear", section_shear),
+        ("hole", section_hole),
+        ("annulus", section_annulus),
+    )
+    sections += [module.build(results) for scene, module in built if scene in scenes]
     if scenes & set(LADDER):
-        sections.append(section_sheets.ladder(results))
+        sections.append(section_ladder.build(results))
     sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
     sections += [section_other.open_questions(), section_other.omissions(results)]
     return Report(

@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from reports.plan import ReportRun, report_runs
+from reports.plan import report_runs
+from reports.run import ReportRun
 from reports.stored import refusal_path
 
 RESULTS = "results"
@@ -115,7 +116,14 @@ def _solve(
 
     def solve(force: bool) -> str:
         solution = cases.run(
-            scene, run.method, nodes=nodes, threads=1, out=folder, force=force, progress=progress
+            scene,
+            run.method,
+            nodes=nodes,
+            seed=run.seed,
+            threads=1,
+            out=folder,
+            force=force,
+            progress=progress,
         )
         return str(solution.status.value)
 

@@ -2,38 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 
-
-@dataclass(frozen=True)
-class ReportRun:
-    """One solve of the report.
-
-    name : folder name of the result, unique.
-    scene : built-in scene.
-    method : method name of the command line.
-    nodes_quick, nodes_full : node count, 0 for the scene's default; None leaves the run out.
-    overrides : dotted scene key -> value, as `--set` takes them.
-    max_seconds : time limit of the quick report, s; the full report has ten times as much.
-    """
-
-    name: str
-    scene: str
-    method: str
-    nodes_quick: int | None
-    nodes_full: int | None
-    overrides: Mapping[str, object] = field(default_factory=dict)
-    max_seconds: float = 40.0
-
-    def nodes(self, full: bool) -> int | None:
-        """Node count of the quick or full report; None if that report leaves the run out."""
-        return self.nodes_full if full else self.nodes_quick
-
+from reports.plan_sheets import shear_runs, stretch_runs
+from reports.run import ReportRun
 
 ANNULUS_MESHES = (1250, 5000, 20000, 80000)
 HOLE_5 = {"edges.top.move_mm": [0.0, 3.125, 0.0], "edges.bottom.move_mm": [0.0, -3.125, 0.0]}
-SCENES = ("annulus", "hole", "stretch")  # in the order of the report; then the ladder
+SCENES = ("stretch", "shear", "hole", "annulus")  # in the order of the report; then the ladder
 THICK = {"sheet.thickness_mm": 0.5}
 THICKER = {"annulus-twist": THICK, "annulus-shrink": THICK}  # wrinkles that these meshes resolve
 LADDER = ("annulus-lift", "annulus-twist", "annulus-shrink", "strip-tension", "shear-rails")
@@ -75,14 +51,6 @@ def _hole() -> list[ReportRun]:
     ]
 
 
-def _stretch() -> list[ReportRun]:
-    return [
-        ReportRun("stretch-koiter", "stretch", "koiter", 6000, 36000, max_seconds=60.0),
-        ReportRun("stretch-tension-field", "stretch", "tension-field", 6000, 36000),
-        ReportRun("stretch-membrane", "stretch", "membrane", 6000, 36000),
-    ]
-
-
 def _ladder() -> list[ReportRun]:
     return [
         ReportRun(
@@ -106,7 +74,7 @@ def report_runs(full: bool = False, scenes: Sequence[str] | None = None) -> list
 
     Raises ValueError for a scene that the report does not have.
     """
-    runs = [*_annulus_meshes(), *_stretch(), *_hole(), *_ladder(), *_annulus()]
+    runs = [*stretch_runs(), *_annulus_meshes(), *_hole(), *_ladder(), *shear_runs(), *_annulus()]
     known = {run.scene for run in runs}
     unknown = [scene for scene in scenes or () if scene not in known]
     if unknown:

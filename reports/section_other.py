@@ -13,6 +13,8 @@ from reports.stored import Stored
 from reports.style import number, whole
 from reports.tables import shortfalls
 
+MANY = 8  # names in a row that a reader still reads
+
 
 def summary(results: Mapping[str, Stored], full: bool) -> Section:
     """What was run, how it ended, how long it took."""
@@ -37,7 +39,14 @@ def _grouped(runs: Sequence[Stored]) -> tuple[str, ...]:
     names: dict[str, list[str]] = {}
     for run in runs:
         names.setdefault(" ".join(shortfalls(run)), []).append(run.run.name)
-    return tuple(f"{', '.join(group)}. {reason}" for reason, group in names.items())
+    return tuple(f"{_some(group)}. {reason}" for reason, group in names.items())
+
+
+def _some(names: Sequence[str]) -> str:
+    """Names in a row; of very many the first and the number of the others."""
+    if len(names) <= MANY:
+        return ", ".join(names)
+    return f"{', '.join(names[: MANY - 1])} and {len(names) - MANY + 1} others"
 
 
 def _scene_table(runs: Sequence[Stored]) -> Table:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cases.files import read_csv
-from reports.plan import ReportRun
+from cases.files import read_csv, read_snapshots
+from reports.run import ReportRun
 
 Columns = Mapping[str, np.ndarray]
 
@@ -54,6 +54,11 @@ class Stored:
             return {}
         with np.load(path, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
+
+    @cached_property
+    def snapshots(self) -> Mapping[str, np.ndarray]:
+        """Shapes on the way to equilibrium: `step`, `level`, `kinetic_N_mm` (m,) and `r` (m, ni, nj, 3) mm."""
+        return read_snapshots(self.folder / "snapshots.npz")
 
     @cached_property
     def history(self) -> Columns:

@@ -12,6 +12,7 @@ from reports.stored import Columns, Stored
 from reports.style import method_name, number, whole
 
 SLACK = 0
+SAID_ELSEWHERE = ("move_mm", "tolerance", "snapshots")  # in captions, as a residual, as figures
 COARSER = 0.9  # of the planned nodes; a mesh has them within 5 %
 
 
@@ -51,8 +52,8 @@ def run_table(stored: Sequence[Stored], caption: str) -> Table:
 
 def _label(run: Stored) -> str:
     """Method, and the overrides that make this run differ from the built-in scene."""
-    changed = [f"{key.split('.')[-1]} = {value}" for key, value in run.run.overrides.items()]
-    return ", ".join([run.method, *(c for c in changed if "move_mm" not in c)])
+    changed = {key.split(".")[-1]: value for key, value in run.run.overrides.items()}
+    return ", ".join([run.method, *(f"{k} = {v}" for k, v in changed.items() if k not in SAID_ELSEWHERE)])
 
 
 def hourglass(run: Stored) -> str:

@@ -12,7 +12,8 @@ from reports.build import build_report, read_results
 from reports.command import note_refusal
 from reports.content import Report
 from reports.page import render_page
-from reports.plan import ReportRun, report_runs
+from reports.plan import report_runs
+from reports.run import ReportRun
 from reports.stored import Stored
 from tests.reports.synthetic import write_synthetic
 

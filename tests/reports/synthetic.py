@@ -18,7 +18,7 @@ from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.meshes import annulus, rectangle, rectangle_with_hole
 from fdsolver.result import Reaction, Solution, Status
-from reports.plan import ReportRun
+from reports.run import ReportRun
 from tensionfield.annulus import AnnulusProblem, AnnulusSolution, solve_annulus
 
 WRINKLED_METHODS = ("koiter",)

@@ -12,7 +12,8 @@ import pytest
 import cases
 import reports.command as command
 from fdsolver.result import Status
-from reports.plan import ReportRun, report_runs
+from reports.plan import report_runs
+from reports.run import ReportRun
 from reports.stored import refusal_path
 from tests.reports.synthetic import write_synthetic
 
@@ -113,7 +114,7 @@ def test_every_planned_scene_and_override_loads():
 def test_report_has_every_scene_of_this_version():
     verified = {"annulus-lift", "annulus-twist", "annulus-shrink", "strip-tension", "shear-rails"}
     for full in (False, True):
-        assert {run.scene for run in report_runs(full)} == {"annulus", "hole", "stretch"} | verified
+        assert {run.scene for run in report_runs(full)} == {"annulus", "hole", "stretch", "shear"} | verified
     assert {run.scene for run in report_runs(scenes=["hole"])} == {"hole"}
     with pytest.raises(ValueError, match="no scene wormhole; it has annulus"):
         report_runs(scenes=["wormhole"])

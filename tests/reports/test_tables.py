@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from reports.convergence import observed_order, order_data
-from reports.plan import ReportRun
+from reports.run import ReportRun
 from reports.section_annulus import build, main_runs
 from reports.stored import Stored, refusal_path
 from reports.style import number, whole

@@ -1,4 +1,4 @@
-"""The report's sections on the first stretch and on the verification ladder."""
+"""The report's section on the verification ladder."""
 
 from __future__ import annotations
 
@@ -9,14 +9,8 @@ from reports import figures_sheet as figures
 from reports.content import Block, Drawing, Section, Table, Text
 from reports.plan import LADDER
 from reports.stored import Stored
-from reports.tables import difference_table, quantity_table, remarks, run_table, wrinkle_table
+from reports.tables import difference_table, quantity_table, remarks, run_table
 
-STRETCH_LOADS = {
-    "force on the top edge (N)": ("reactions", "top", "force_N", "#1"),
-    "energy (N\u00a0mm)": ("energy_N_mm", "total"),
-    "bending energy (N\u00a0mm)": ("energy_N_mm", "bending"),
-    "largest |z| (mm)": ("out_of_plane_mm", "max_abs"),
-}
 RING_LOADS = {
     "torque (N\u00a0mm)": ("reactions", "inner", "moment_N_mm", "#2"),
     "axial force (N)": ("reactions", "inner", "force_N", "#2"),
@@ -36,39 +30,7 @@ WHAT = {
 }
 
 
-def stretch(results: Mapping[str, Stored]) -> Section:
-    """Assemble the section on the strip pulled by 10 %."""
-    mine = [s for s in results.values() if s.run.scene == "stretch"]
-    runs = {s.method: s for s in mine}
-    drawing = Drawing(
-        "stretch-shapes",
-        "First stretch",
-        "The plate after the pull: (a) in relief (slopes exaggerated for the light), (b) height; (c) "
-        "states of the relaxed membrane; (d) height and (e) second stretch across the middle.",
-        "The pulled strip with its longitudinal wrinkles, the states of the relaxed membrane, and "
-        "profiles across it.",
-        partial(figures.stretched, runs=runs),
-        4.5,
-        vector=False,
-    )
-    wrinkles = wrinkle_table([s for s in mine if s.method != "tension-field"], "Wrinkles across the middle.")
-    blocks: list[Block] = [
-        Text(
-            "A silicone strip 101.6 mm wide and 254 mm long, its short edges pinned and pulled apart by "
-            "10 %. It wrinkles along the pull although nothing pushes it: the pinned edges keep it from "
-            "narrowing. A coarse first run; the known difficulty is not to take the unstable flat state "
-            "for the answer."
-        ),
-        drawing,
-        *([wrinkles] if wrinkles else []),
-        quantity_table(mine, "Loads, energy and height of the strip.", STRETCH_LOADS, runs.get("koiter")),
-        run_table(mine, "Runs of the strip."),
-    ]
-    found = remarks(mine)
-    return Section("stretch", "First stretch", [*blocks, *([found] if found else [])])
-
-
-def ladder(results: Mapping[str, Stored]) -> Section:
+def build(results: Mapping[str, Stored]) -> Section:
     """Assemble the section on the scenes with known answers."""
     blocks: list[Block] = [
         Text(

@@ -1,0 +1,84 @@
+"""What a run of a rectangle was loaded by, and what its wrinkles measure along the middle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+
+from reports.plan_sheets import STRIP_LENGTH_MM
+from reports.run import ReportRun
+from reports.stored import Stored
+
+BUILT_IN_MOVE = {"stretch": (0.0, 25.4, 0.0), "shear": (0.5, 0.0, 0.0)}  # of the upper edge, mm
+MIDDLE = "midsection"
+WRINKLED = 1e-2  # of the thickness: ten times the random start
+
+
+def top_move(run: ReportRun) -> tuple[float, float, float]:
+    """Displacement of the upper edge, mm."""
+    move = run.overrides.get("edges.top.move_mm", BUILT_IN_MOVE.get(run.scene, (0.0, 0.0, 0.0)))
+    assert isinstance(move, list | tuple)
+    x, y, z = (float(part) for part in move)
+    return x, y, z
+
+
+def pull_percent(stored: Stored) -> float:
+    """Pull of the strip, % of its length."""
+    return round(100.0 * top_move(stored.run)[1] / STRIP_LENGTH_MM, 6)
+
+
+def measure(stored: Stored, name: str) -> float:
+    """A measure of the wrinkles across the middle, such as "rms_mm"; NaN if it is absent or null."""
+    return stored.value("sections", MIDDLE, name)
+
+
+def wrinkled(stored: Stored) -> bool:
+    """Whether the middle rises above what the start leaves of its noise on a sheet that stays flat."""
+    thickness = stored.scene.get("sheet", {})
+    assert isinstance(thickness, Mapping)
+    return measure(stored, "amplitude_mm") > WRINKLED * float(thickness.get("thickness_mm", math.nan))
+
+
+def by_pull(stored: Iterable[Stored]) -> dict[float, list[Stored]]:
+    """Runs of the strip by their pull (%), ascending; each from coarse to fine."""
+    groups: dict[float, list[Stored]] = {}
+    for run in stored:
+        groups.setdefault(pull_percent(run), []).append(run)
+    return {pull: sorted(groups[pull], key=planned_nodes) for pull in sorted(groups)}
+
+
+def by_shear(stored: Iterable[Stored]) -> dict[tuple[float, float], list[Stored]]:
+    """Runs of the sheared sheet by displacement and pre-stretch (mm); each from coarse to fine."""
+    groups: dict[tuple[float, float], list[Stored]] = {}
+    for run in stored:
+        groups.setdefault(top_move(run.run)[:2], []).append(run)
+    return {load: sorted(groups[load], key=planned_nodes) for load in sorted(groups)}
+
+
+def planned_nodes(stored: Stored) -> float:
+    """Nodes of a result; of a run without one, those of its plan."""
+    nodes = stored.value("nodes")
+    return nodes if math.isfinite(nodes) else float(stored.run.nodes_quick or stored.run.nodes_full or 0)
+
+
+def finest(stored: Iterable[Stored]) -> Stored | None:
+    """The finest run that converged; the finest with a shape, or the last, if none did."""
+    runs = sorted(stored, key=lambda s: (s.converged, s.drawable, planned_nodes(s)))
+    return runs[-1] if runs else None
+
+
+def energy_gained(wrinkled_run: Stored, flat: Stored | None) -> float:
+    """Energy of the flat state less that of the wrinkled one on the same mesh, N mm; NaN without a flat one."""
+    if flat is None or flat.value("nodes") != wrinkled_run.value("nodes"):
+        return math.nan
+    return flat.value("energy_N_mm", "total") - wrinkled_run.value("energy_N_mm", "total")
+
+
+def flat_partners(stored: Iterable[Stored]) -> Mapping[tuple[object, ...], Stored]:
+    """Flat runs by scene, load and mesh, as `partner_key` names them."""
+    return {partner_key(run): run for run in stored if run.run.part == "flat"}
+
+
+def partner_key(stored: Stored) -> tuple[object, ...]:
+    """Scene, load and mesh of a run."""
+    return (stored.run.scene, top_move(stored.run), stored.run.nodes_quick, stored.run.nodes_full)

@@ -1,0 +1,117 @@
+"""The runs of the pulled and of the sheared rectangle: Fig. 3 to 6 of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from reports.run import ReportRun
+
+STRIP_LENGTH_MM = 254.0
+
+PULLS = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 13.0, 16.0, 20.0, 22.0, 24.0, 26.0, 30.0)  # % of the length
+SHOWN_PULLS = (5.0, 10.0, 20.0, 30.0)  # those of Fig. 4
+PAPER_NODES, PAPER_NODES_ABOVE = 60_000, 120_000  # up to and above a pull of 10 %
+STRIP_MESHES_QUICK, STRIP_MESHES_FULL = (4000, 8000, 16000), (15000, 30000, 60000)
+SEED_NODES_QUICK, SEEDS = 6000, tuple(range(1, 11))  # ten, as in Fig. 5
+
+SHEARS_MM = (0.05, 0.5, 3.0)  # the caption's, the text's, the larger one
+PRE_STRETCHES_MM = (0.0, 0.05)
+SHEAR_MESHES_QUICK, SHEAR_MESHES_FULL = (5000, 10000, 20000), (20000, 40000, 80000)
+SHEAR_SEEDS, SHEAR_SEED_NODES = (1, 2), (10000, 40000)  # besides seed 0; quick and full
+FLAT = {"effects.out_of_plane": "off"}
+
+
+def pull(percent: float) -> dict[str, object]:
+    """Overrides that pull the strip by a part of its length, %."""
+    return {"edges.top.move_mm": [0.0, round(STRIP_LENGTH_MM * percent / 100.0, 6), 0.0]}
+
+
+def shear(move_mm: float, pre_stretch_mm: float) -> dict[str, object]:
+    """Overrides that move the upper edge of the sheared sheet sideways and up, mm."""
+    return {"edges.top.move_mm": [move_mm, pre_stretch_mm, 0.0]}
+
+
+def stretch_runs() -> list[ReportRun]:
+    """The runs of the strip; those of the comparison of methods at 10 % have no part."""
+    return [
+        ReportRun("stretch-koiter", "stretch", "koiter", 24000, PAPER_NODES, max_seconds=60.0),
+        ReportRun("stretch-tension-field", "stretch", "tension-field", 6000, 36000),
+        ReportRun("stretch-membrane", "stretch", "membrane", 6000, 36000),
+        _progress(),
+        *_sweep(),
+        *_seeds(),
+    ]
+
+
+def _progress() -> ReportRun:
+    """Fig. 3: one mesh and kinetic damping, as in the paper."""
+    way = {"solver.damping": "kinetic", "solver.levels": 1, "solver.snapshots": 6}
+    return ReportRun("stretch-progress", "stretch", "koiter", 6000, PAPER_NODES, way, part="progress")
+
+
+def _sweep() -> list[ReportRun]:
+    """Fig. 4 and the curves against the pull: every pull on a sequence of meshes, wrinkled and kept flat."""
+    runs = []
+    for percent in PULLS:
+        for quick, full in _meshes(STRIP_MESHES_QUICK, STRIP_MESHES_FULL):
+            changes = {**pull(percent)}
+            name = f"stretch-pull-{percent:g}-{quick}"
+            runs.append(ReportRun(name, "stretch", "koiter", quick, full, changes, part="sweep"))
+            flat = {**changes, **FLAT}
+            runs.append(ReportRun(f"{name}-flat", "stretch", "koiter", quick, full, flat, part="flat"))
+    for percent in SHOWN_PULLS:
+        nodes = PAPER_NODES if percent <= 10.0 else PAPER_NODES_ABOVE
+        changes = {**pull(percent)}
+        name = f"stretch-pull-{percent:g}-paper"
+        runs.append(ReportRun(name, "stretch", "koiter", None, nodes, changes, part="sweep"))
+    return runs
+
+
+def _seeds() -> list[ReportRun]:
+    """Fig. 5.  One mesh: nested runs leave the flat state along its lowest mode, whatever the seed."""
+    changes = {"solver.levels": 1}
+    return [
+        ReportRun(
+            f"stretch-seed-{seed}",
+            "stretch",
+            "koiter",
+            SEED_NODES_QUICK,
+            PAPER_NODES,
+            changes,
+            part="seeds",
+            seed=seed,
+        )
+        for seed in SEEDS
+    ]
+
+
+def shear_runs() -> list[ReportRun]:
+    """Fig. 6: every load on a sequence of meshes, and the two large ones from further seeds too."""
+    runs = []
+    for move in SHEARS_MM:
+        for rise in PRE_STRETCHES_MM:
+            name = f"shear-{move:g}-{rise:g}"
+            changes = shear(move, rise)
+            for quick, full in _meshes(SHEAR_MESHES_QUICK, SHEAR_MESHES_FULL):
+                small = move < 0.1 and quick != SHEAR_MESHES_QUICK[1]  # one mesh says whether it wrinkles
+                few = None if small else quick
+                runs.append(ReportRun(f"{name}-{quick}", "shear", "koiter", few, full, changes, part="mesh"))
+                flat = {**changes, **FLAT}
+                runs.append(
+                    ReportRun(f"{name}-{quick}-flat", "shear", "koiter", few, full, flat, part="flat")
+                )
+            runs += _shear_seeds(name, changes) if move > 0.1 else []
+    return runs
+
+
+def _shear_seeds(name: str, changes: dict[str, object]) -> Iterable[ReportRun]:
+    for seed in SHEAR_SEEDS:
+        quick, full = SHEAR_SEED_NODES
+        yield ReportRun(
+            f"{name}-seed-{seed}", "shear", "koiter", quick, full, changes, part="seeds", seed=seed
+        )
+
+
+def _meshes(quick: Sequence[int], full: Sequence[int]) -> list[tuple[int, int]]:
+    """The meshes of the quick and the full report, from coarse to fine."""
+    return list(zip(quick, full, strict=True))
