@@ -84,12 +84,12 @@ def run_scene(arguments: argparse.Namespace, interruption: Interruption) -> int:
 
 
 def _check_fit(scene: Scene, method: str) -> None:
-    """Raise SceneError for a closed form that does not exist, before a folder is made for it."""
-    from cases.methods import METHODS, methods_of
+    """Raise SceneError for a method that the scene does not have, before a folder is made for it."""
+    from cases.methods import METHODS, methods_of, why_unfit
 
     fitting = methods_of(scene)
     if method in METHODS and method not in fitting:
-        message = f"the scene {scene.name} has no closed form; there are {one_of(fitting)}"
+        message = f"{why_unfit(scene, method)}; there are {one_of(fitting)}"
         raise SceneError([Problem("", "--method", method, message)])
 
 

@@ -15,9 +15,10 @@ from cases.probe import Columns, measure_section
 from cases.results import Probes, probe
 from cases.runner import run
 from cases.schema import Scene
+from cases.unstructured import AnySolution
 from fdsolver.checkpoint import write_atomically
 from fdsolver.relax import Progress
-from fdsolver.result import Solution, Status
+from fdsolver.result import Status
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +41,7 @@ class Comparison:
     """
 
     reference: str
-    solutions: Mapping[str, Solution]
+    solutions: Mapping[str, AnySolution]
     refused: Mapping[str, str]
     table: pd.DataFrame
     differences: pd.DataFrame
@@ -72,12 +73,15 @@ def compare(
     if not names:
         raise MethodError("A comparison needs at least one method.")
     refused: dict[str, str] = {}
-    solutions: dict[str, Solution] = {}
+    solutions: dict[str, AnySolution] = {}
     for name in names:
         try:
-            chosen = choose(scene, name)[0].name
+            method = choose(scene, name)[0]
+            chosen = method.name
             folder = None if out is None else Path(out) / chosen
-            solution = run(scene, chosen, nodes, seed, threads, tolerance, folder, resume, force, progress)
+            # nodes are those of a grid; finite elements of high order have their own count
+            count = None if method.finite_elements else nodes
+            solution = run(scene, chosen, count, seed, threads, tolerance, folder, resume, force, progress)
         except MethodError as reason:
             refused[name] = str(reason)
             continue
@@ -92,7 +96,7 @@ def compare(
     return found
 
 
-def _compared(scene: Scene, solutions: Mapping[str, Solution], refused: Mapping[str, str]) -> Comparison:
+def _compared(scene: Scene, solutions: Mapping[str, AnySolution], refused: Mapping[str, str]) -> Comparison:
     import pandas as pd
 
     reference = next((name for name in REFERENCES if name in solutions), next(iter(solutions)))
@@ -110,7 +114,7 @@ def _compared(scene: Scene, solutions: Mapping[str, Solution], refused: Mapping[
     )
 
 
-def method_row(solution: Solution, probes: Probes) -> Row:
+def method_row(solution: AnySolution, probes: Probes) -> Row:
     """What one method found and what it cost; the unit is the end of each key."""
     zone, states = solution.zone, solution.zone.state
     row: Row = {
@@ -144,7 +148,7 @@ def method_row(solution: Solution, probes: Probes) -> Row:
 
 
 def difference_rows(
-    solution: Solution, probes: Probes, reference: Solution, reference_probes: Probes
+    solution: AnySolution, probes: Probes, reference: AnySolution, reference_probes: Probes
 ) -> list[Row]:
     """Differences of one method from the reference: stretches along the paths, reactions, energies."""
     rows = []

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from cases.boundary import grid_of, problem_of, sheet_of
 from cases.schema import AnnulusSheet, Scene
+from cases.unstructured import AnySolution
 from fdsolver.checkpoint import Checkpoint
 from fdsolver.model import KOITER, MEMBRANE, Model
 from fdsolver.relax import Progress, Settings
@@ -39,7 +40,8 @@ class Method:
 
     name : on the command line. title : for tables. bending, wrinkles : whether its energy has bending,
         whether it resolves
-    single wrinkles. tolerance : default residual. solve : Task -> Solution.
+    single wrinkles. tolerance : default residual. solve : Task -> solution. finite_elements : whether its nodes are
+        the scene's `mesh.vertices`.
     """
 
     name: str
@@ -47,7 +49,8 @@ class Method:
     bending: bool
     wrinkles: bool
     tolerance: float
-    solve: Callable[[Task], Solution]
+    solve: Callable[[Task], AnySolution]
+    finite_elements: bool = False
 
 
 def _tension_field(task: Task) -> Solution:
@@ -70,16 +73,29 @@ def _exact(task: Task) -> Solution:
     return solve_exact(task.scene, grid_of(task.scene)(task.scene.mesh.nodes))
 
 
+def _buckling(task: Task) -> AnySolution:
+    from cases.finite_elements import solve_buckling
+    from femref.buckle import NoBuckling
+    from femref.inertia import NotCertified
+    from femref.prestress import NoPrestress
+
+    try:
+        return solve_buckling(task.scene, task.threads, task.seed)
+    except (NoBuckling, NoPrestress, NotCertified) as reason:
+        raise MethodError(str(reason)) from reason
+
+
 METHODS = {
     method.name: method
     for method in (
         Method("tension-field", "tension field (relaxed membrane)", False, False, 1e-8, _tension_field),
         Method("membrane", "unrelaxed membrane", False, False, 1e-8, _membrane),
         Method("koiter", "Koiter plate", True, True, 1e-6, _koiter),
+        Method("buckling", "buckling factors (finite elements)", True, False, 1e-8, _buckling, True),
         Method("exact", "closed form", False, False, 1e-10, _exact),
     )
 }
-LATER = ("koiter-published", "buckling", "postbuckling")
+LATER = ("koiter-published", "postbuckling")
 NAMES = ("auto", *METHODS, *LATER)
 
 
@@ -99,14 +115,29 @@ def choose(scene: Scene, name: str) -> tuple[Method, str]:
     if name not in METHODS:
         raise MethodError(f"There is no method {name!r}; there are auto, {', '.join(METHODS)}.")
     _refuse_options(scene, METHODS[name])
+    if name != "exact" and (reason := why_unfit(scene, name)):
+        raise MethodError(f"The method {name} cannot solve this: {reason}.")
     return METHODS[name], why
 
 
 def methods_of(scene: Scene) -> tuple[str, ...]:
-    """Names of the methods that can solve a scene now; `exact` only where a closed form exists."""
-    from cases.exact import has_exact
+    """Names of the methods that can solve a scene now: `exact` only where a closed form exists, `buckling` only
+    under a load in the plane.
+    """
+    return tuple(name for name in METHODS if why_unfit(scene, name) is None)
 
-    return tuple(name for name in METHODS if name != "exact" or has_exact(scene))
+
+def why_unfit(scene: Scene, name: str) -> str | None:
+    """Why the scene has no closed form or no buckling load; None for a method that fits."""
+    if name == "exact":
+        from cases.exact import has_exact
+
+        return None if has_exact(scene) else f"the scene {scene.name} has no closed form"
+    if name == "buckling":
+        from cases.finite_elements import unfit
+
+        return unfit(scene)
+    return None
 
 
 def _relaxed_by(model: Model, task: Task) -> Solution:
@@ -134,7 +165,7 @@ def _refuse_options(scene: Scene, method: Method) -> None:
     later = {
         f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none",
         f"start.from = {scene.start.source!r}": (scene.start.source or "").startswith("mode:"),
-        f"start.from = {scene.start.source!r} with a closed form": method.name == "exact"
+        f"start.from = {scene.start.source!r} by {method.name}": method.name in ("exact", "buckling")
         and scene.start.source is not None,
         "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate",
         "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off",
@@ -167,7 +198,7 @@ def predicted_wavelength(scene: Scene, strain: float) -> float:
     """
     sheet = sheet_of(scene)
     stiffness_ratio = sheet.bending_stiffness_N_mm / (sheet.young_MPa * sheet.thickness_mm * strain)
-    return 2.0 * math.sqrt(math.pi) * stiffness_ratio**0.25 * math.sqrt(_tension_length(scene))
+    return 2.0 * math.sqrt(math.pi) * stiffness_ratio**0.25 * math.sqrt(tension_length_mm(scene))
 
 
 def _nominal_strain(scene: Scene) -> float:
@@ -180,10 +211,10 @@ def _nominal_strain(scene: Scene) -> float:
         for edge in scene.edges.values()
         if edge.support != "free"
     ]
-    return max(moves, default=0.0) / _tension_length(scene)
+    return max(moves, default=0.0) / tension_length_mm(scene)
 
 
-def _tension_length(scene: Scene) -> float:
+def tension_length_mm(scene: Scene) -> float:
     """Length along which the sheet is pulled: between its most distant supports, or between the circles."""
     sheet = scene.sheet
     if isinstance(sheet, AnnulusSheet):
@@ -196,8 +227,21 @@ def with_numbers(scene: Scene, method: Method, nodes: int | None, tolerance: flo
     """The scene with the node count and the tolerance that will be used."""
     chosen = tolerance if tolerance is not None else scene.solver.tolerance
     solver = scene.solver.model_copy(update={"tolerance": method.tolerance if chosen is None else chosen})
-    mesh = scene.mesh if nodes is None else scene.mesh.model_copy(update={"nodes": nodes})
+    mesh = scene.mesh
+    if method.finite_elements:
+        from cases.finite_elements import default_vertices
+
+        vertices = nodes or mesh.vertices or default_vertices(scene)
+        mesh = mesh.model_copy(update={"vertices": vertices})
+    elif nodes is not None:
+        mesh = mesh.model_copy(update={"nodes": nodes})
     return replace(scene, solver=solver, mesh=mesh)
+
+
+def _kinematics(method: Method) -> str:
+    if method.name == "buckling":
+        return "small rotations of a plate under a given plane stress"
+    return "finite rotations and strains"
 
 
 def effects_of(method: Method) -> dict[str, dict[str, object]]:
@@ -208,5 +252,5 @@ def effects_of(method: Method) -> dict[str, dict[str, object]]:
         "out_of_plane": {"on": True, "why": why, **unmeasured},
         "bending": {"on": method.bending, "why": why, **unmeasured},
         "strain_gradient": {"on": method.bending, "why": why, **unmeasured},
-        "kinematics": {"on": True, "why": "finite rotations and strains", **unmeasured},
+        "kinematics": {"on": True, "why": _kinematics(method), **unmeasured},
     }

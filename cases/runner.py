@@ -22,9 +22,10 @@ from cases.results import (
 from cases.scene import SceneError, load_scene
 from cases.scene_text import scene_hash, scene_toml
 from cases.schema import LARGEST_NODES, SMALLEST_NODES, Scene
+from cases.unstructured import AnySolution
 from fdsolver.checkpoint import Checkpoint, storage_error, write_atomically
 from fdsolver.relax import Progress
-from fdsolver.result import Solution, Status
+from fdsolver.result import Status
 
 # A run that ended so can go on from its checkpoint.
 UNFINISHED = (Status.INTERRUPTED, Status.STEP_LIMIT, Status.TIME_LIMIT)
@@ -46,7 +47,7 @@ def run(
     force: bool = False,
     progress: Callable[[Progress], None] | None = None,
     strict: bool = False,
-) -> Solution:
+) -> AnySolution:
     """Solve a scene; with `out`, leave a result folder there and return what is in it.
 
     method : a name of `cases.methods.NAMES`. nodes, tolerance : instead of the scene's. seed : of the random
@@ -113,7 +114,7 @@ def _whole(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _stored(out: Path, identity: str, scene: Scene, resume: bool, force: bool) -> Solution | None:
+def _stored(out: Path, identity: str, scene: Scene, resume: bool, force: bool) -> AnySolution | None:
     """The finished result of this very run in `out`, or None if there is something to solve.
 
     Raises FolderRefused for a folder that holds anything else (unless it is a run and `force` replaces it).
@@ -189,7 +190,7 @@ def _open(out: Path, scene: Scene, identity: str, fresh: bool) -> Checkpoint:
     return checkpoint
 
 
-def _judged(solution: Solution, scene: Scene, probes: Probes, why: str, strict: bool) -> Solution:
+def _judged(solution: AnySolution, scene: Scene, probes: Probes, why: str, strict: bool) -> AnySolution:
     """Add what the scene and the probes say: assumptions, the choice of `auto`, wrinkles that the mesh does
     not carry.
     """

@@ -202,7 +202,8 @@ class Symmetry(Table):
 class Mesh(Table):
     """Number of nodes, and how strongly they gather (at a rectangle's centre lines, at an inner circle).
 
-    An absent bias is the shape's own: 0 for a rectangle, 1 for the others.
+    An absent bias is the shape's own: 0 for a rectangle, 1 for the others. `vertices` takes the place of `nodes` for
+    the finite-element methods; absent, they choose.
     """
 
     nodes: int = Field(
@@ -212,6 +213,12 @@ class Mesh(Table):
         description=f"a whole number from {SMALLEST_NODES} to {LARGEST_NODES}",
     )
     bias: Bias = None
+    vertices: int | None = Field(
+        default=None,
+        ge=SMALLEST_NODES,
+        le=LARGEST_NODES,
+        description=f"a whole number from {SMALLEST_NODES} to {LARGEST_NODES}",
+    )
 
 
 class Solver(Table):
@@ -232,6 +239,8 @@ class Solver(Table):
     )
     snapshots: int = Field(default=0, ge=0, le=1000, description="a whole number from 0 to 1000")
     published: Literal["printed", "filtered", "stabilised"] = "filtered"
+    prestress: Literal["linear", "finite"] = "linear"
+    element: Literal["argyris", "bogner-fox-schmit", "morley"] = "argyris"
 
 
 class Line(Table):

@@ -1,1 +1,1 @@
-"""Independent finite-element reference on scikit-fem."""
+"""Finite-element witness: buckling and post-buckled states, on scikit-fem and independent of the other solvers."""

@@ -282,7 +282,7 @@ def test_written_scene_has_every_key_of_every_table():
     }
     assert set(document["solver"]) == {
         *("tolerance", "damping", "mass", "levels", "max_steps", "max_seconds", "published", "thicken"),
-        "snapshots",
+        *("snapshots", "prestress", "element"),
     }
 
 
