@@ -74,7 +74,7 @@ def _exact(task: Task) -> Solution:
 
 
 def _buckling(task: Task) -> AnySolution:
-    from cases.finite_elements import solve_buckling
+    from cases.buckling import solve_buckling
     from femref.buckle import NoBuckling
     from femref.inertia import NotCertified
     from femref.prestress import NoPrestress
