@@ -67,11 +67,11 @@ def node_steps_per_second(model: Model, grid: Grid, threads: int, seconds: float
     edge = list(grid.edges)[-1]
     problem = Problem(SHEET, {edge: EdgeCondition("pinned")}, grid, lambda nodes: grid)
     level = Level(problem, model, grid, threads)
-    noise = np.random.default_rng(0).standard_normal((3, grid.ni, grid.nj))
+    noise = np.random.default_rng(0).standard_normal((model.components, grid.ni, grid.nj))
     start = level.scaled(1.02 * level.flat) + 1e-6 * noise
     mass = nodal_masses(level.force, start, start, level.force.relaxed)
     inverse = np.zeros_like(mass)
-    invert(mass.reshape(6, -1), ~level.fixed.reshape(-1), inverse.reshape(6, -1))
+    invert(mass.reshape(len(mass), -1), ~level.fixed.reshape(-1), inverse.reshape(len(mass), -1))
     r, v, f, old = start.copy(), np.zeros_like(start), np.zeros_like(start), np.zeros_like(start)
     fastest, until = np.inf, np.inf
     while time.perf_counter() < until:

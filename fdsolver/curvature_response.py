@@ -27,16 +27,21 @@ def _clamp(index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.minimum(index + 1, index[-1]), np.maximum(index - 1, 0)
 
 
+def node_steps(u: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Steps of the mesh u (2, ni, nj) from every node to its east, west, north and south neighbour; 0 past an end."""
+    ni, nj = u.shape[1:]
+    i, j = np.arange(ni), np.arange(nj)
+    following, previous = ((i + 1) % ni, (i - 1) % ni) if closed else _clamp(i)
+    above, below = _clamp(j)
+    return u[:, following] - u, u[:, previous] - u, u[:, :, above] - u, u[:, :, below] - u
+
+
 def node_responses(
     u: np.ndarray, closed: bool, c1: np.ndarray, c2: np.ndarray, clamped1: np.ndarray, clamped2: np.ndarray
 ) -> np.ndarray:
     """R at all nodes, shape (3 measured curvatures, 3 fields, ni, nj); the row of <b12> is left empty."""
     ni, nj = u.shape[1:]
-    i, j = np.arange(ni), np.arange(nj)
-    following, previous = ((i + 1) % ni, (i - 1) % ni) if closed else _clamp(i)
-    east, west = u[:, following] - u, u[:, previous] - u
-    above, below = _clamp(j)
-    north, south = u[:, :, above] - u, u[:, :, below] - u
+    east, west, north, south = node_steps(u, closed)
     f_east, f_west, f_north, f_south = (_quadratics(v) for v in (east, west, north, south))
     factor1 = c1[:, None]
     f_x, f_y = _slope(

@@ -17,6 +17,7 @@ import math
 import numba
 import numpy as np
 
+from fdsolver import plane_motion
 from fdsolver.rows import compiled, threaded
 
 APART = 10  # steps between two kinetic restarts
@@ -70,21 +71,32 @@ def step_bands(r, v, inverse_mass, f, viscosity, cap, kick, power, bands):
 def step(r, v, inverse_mass, f, viscosity, cap, kick, threads=1):
     """One step of [68] with unit time step; the first from rest [70] has kick = 1/2 and no viscosity, others kick = 1.
 
-    r, v, f : (3, ni, nj). inverse_mass : (6, ni, nj), xx yy zz xy xz yz. cap : largest speed of a node. threads : bands
-    of rows side by side. Returns the power (v_old + v_new) . f / 2 at the positions r(n), summed by rows in order: same
-    bits for any number of threads.
+    r, v, f : (3, ni, nj), or (2, ni, nj) in the plane. inverse_mass : (6, ni, nj), xx yy zz xy xz yz, or (3, ni, nj),
+    xx yy xy. cap : largest speed of a node. threads : bands of rows side by side. Returns the power
+    (v_old + v_new) . f / 2 at the positions r(n), summed by rows in order: same bits for any number of threads.
     """
     power = np.empty(r.shape[1])
+    band, bands = (
+        (step_band, step_bands) if len(r) == 3 else (plane_motion.step_band, plane_motion.step_bands)
+    )
     if threads == 1:
-        step_band(r, v, inverse_mass, f, viscosity, cap, kick, power, 0, r.shape[1])
+        band(r, v, inverse_mass, f, viscosity, cap, kick, power, 0, r.shape[1])
     else:
-        step_bands(r, v, inverse_mass, f, viscosity, cap, kick, power, threads)
+        bands(r, v, inverse_mass, f, viscosity, cap, kick, power, threads)
     return float(power.sum())
 
 
-@compiled
 def twice_kinetic(v, mass):
-    """Sum of v . m v over all nodes, twice the kinetic energy [72]. v : (3, nodes). mass : (6, nodes)."""
+    """Sum of v . m v over all nodes, twice the kinetic energy [72].
+
+    v : (3, nodes), mass : (6, nodes); in the plane (2, nodes) and (3, nodes).
+    """
+    return (twice_kinetic_in_space if len(v) == 3 else plane_motion.twice_kinetic)(v, mass)
+
+
+@compiled
+def twice_kinetic_in_space(v, mass):
+    """`twice_kinetic` of motions with three components."""
     total = 0.0
     for k in range(v.shape[1]):
         x, y, z = v[0, k], v[1, k], v[2, k]
@@ -95,16 +107,19 @@ def twice_kinetic(v, mass):
 
 @compiled
 def twice_work(v, old, new):
-    """v K v of the motion v that led from force `old` to force `new` in one step; all (3, nodes)."""
+    """v K v of the motion v that led from force `old` to force `new` in one step; all (components, nodes)."""
     total = 0.0
-    for axis in range(3):
+    for axis in range(v.shape[0]):
         for k in range(v.shape[1]):
             total -= v[axis, k] * (new[axis, k] - old[axis, k])
     return total
 
 
 def times(mass, v):
-    """Product of every node's symmetric 3 x 3 matrix and vector. mass : (6, ni, nj). v : (3, ni, nj)."""
+    """Product of every node's symmetric matrix and vector; mass and v as in `twice_kinetic`, but (..., ni, nj)."""
+    if len(v) == 2:
+        xx, yy, xy = mass
+        return np.stack([xx * v[0] + xy * v[1], xy * v[0] + yy * v[1]])
     xx, yy, zz, xy, xz, yz = mass
     x, y, z = v
     return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
@@ -115,7 +130,7 @@ def advance(
 ):
     """Advance r and v in place by `steps` steps under a damping rule; f holds the force at r on entry.
 
-    r, v, f, old : (3, ni, nj) float64; old is scratch. mass, inverse_mass : (6, ni, nj). rising : whether the last step
+    r, v, f, old, mass, inverse_mass : as in `step`; old is scratch. rising : whether the last step
     added kinetic energy. threads : bands of rows side by side. Returns the number of restarts, the viscosity, the steps
     since the last restart, `rising`, and the Rayleigh quotient omega^2 of the motion at the last step (0 at rest).
     """
@@ -123,7 +138,7 @@ def advance(
     kinetic = name.startswith("kinetic")
     viscosity = 0.0 if kinetic else constant if name == "viscous" else viscosity
     nodes = r.shape[1] * r.shape[2]
-    motion, before, after = v.reshape(3, nodes), old.reshape(3, nodes), f.reshape(3, nodes)
+    motion, before, after = (field.reshape(len(field), nodes) for field in (v, old, f))
     arrival = np.empty_like(v)  # the velocity with which the motion came to r(n)
     restarts, quotient = 0, 0.0
     for k in range(steps):
@@ -132,7 +147,7 @@ def advance(
                 old[:] = f
             force(r, f)
             if k == steps - 1:
-                inertia = twice_kinetic(motion, mass.reshape(6, nodes))
+                inertia = twice_kinetic(motion, mass.reshape(len(mass), nodes))
                 quotient = twice_work(motion, before, after) / inertia if inertia > 0.0 else 0.0
                 if name == "adaptive":
                     viscosity = min(2.0 * math.sqrt(max(quotient, 0.0)), LARGEST_VISCOSITY)

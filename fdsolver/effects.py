@@ -2,75 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 
-from fdsolver import membrane, plate
+from fdsolver import membrane, membrane_plane, plate, plate_linear
+from fdsolver.bands import membrane_bands, plane_bands, plate_bands, plate_linear_bands
 from fdsolver.curvature import curvature_constants
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.model import Model
-from fdsolver.rows import MOST_COLUMNS, PITCH, threaded
+from fdsolver.moderate import under_moderate_rotation
+from fdsolver.rows import MOST_COLUMNS, PITCH
 
 
-@threaded
-def membrane_bands(law, r, f, zone, energy, rows, columns, closed, scratch):
-    """`membrane.band` on as many bands of rows as there are scratch arrays, one thread each."""
-    bands = scratch.shape[0]
-    for k in numba.prange(bands):
-        start, stop = k * rows // bands, (k + 1) * rows // bands
-        membrane.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k])
+@dataclass(frozen=True)
+class Kernel:
+    """One specialisation. band : on one thread; bands : on several. slots : rows of scratch that a thread needs."""
+
+    band: Callable[..., None]
+    bands: Callable[..., None]
+    slots: int
 
 
-@threaded
-def plate_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, twist):
-    """`plate.band` on as many bands of rows as there are scratch arrays, one thread each."""
-    bands = scratch.shape[0]
-    for k in numba.prange(bands):
-        start, stop = k * rows // bands, (k + 1) * rows // bands
-        plate.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k], node, twist)
+# by number of displacement components and kind of curvature; the kinematics come with the type of the law
+KERNELS = {
+    (2, "none"): Kernel(membrane_plane.band, plane_bands, membrane_plane.SLOTS),
+    (3, "none"): Kernel(membrane.band, membrane_bands, membrane.SLOTS),
+    (3, "linear"): Kernel(plate_linear.band, plate_linear_bands, plate_linear.SLOTS),
+    (3, "full"): Kernel(plate.band, plate_bands, plate.SLOTS),
+}
 
 
 @dataclass(frozen=True)
 class Force:
     """Force and energy of a model on one mesh, in scaled units (lengths / L, stresses / Y).
 
-    law : membrane law; relaxed : whether it carries no compression.
+    law : membrane law; relaxed : whether it carries no compression. components : 2 in the plane, 3 in space.
     zone : (5, zone rows, nj - 1) float64 of `membrane.zone_constants`.
-    node : (8, ni, nj), twist : (4, zone rows, nj - 1) float64, constants of `plate`; None: bending is off.
+    node, twist : float64 constants of `plate` or `plate_linear`; None: bending is off.
+    bound : (ni, nj) float64, stiffness bound of a linear curvature; None where it depends on the state or is off.
     scratch : (threads, ...) float64, one flat array per thread.
     """
 
+    kernel: Kernel
     law: tuple
     relaxed: bool
+    components: int
     rows: int
     columns: int
     closed: bool
     zone: np.ndarray
     node: np.ndarray | None
     twist: np.ndarray | None
+    bound: np.ndarray | None
     scratch: np.ndarray
     row_energy: np.ndarray
 
     def __call__(self, r: np.ndarray, f: np.ndarray) -> np.ndarray:
         """Write the force -dE/dr on every node into f; return the (membrane, bending, hourglass) energy.
 
-        r, f : (3, ni, nj) float64, C-contiguous. The energies are summed by rows in order: same bits for any
+        r, f : (components, ni, nj) float64, C-contiguous. The energies are summed by rows in order: same bits for any
         number of threads.
         """
         threads = self.scratch.shape[0]
         mesh = (self.zone.reshape(-1), self.row_energy, self.rows, self.columns, self.closed)
         place = (0, self.rows, self.scratch[0]) if threads == 1 else (self.scratch,)
-        if self.node is None or self.twist is None:
-            evaluate = membrane.band if threads == 1 else membrane_bands
-            evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place)
-        else:
-            evaluate = plate.band if threads == 1 else plate_bands
+        evaluate = self.kernel.band if threads == 1 else self.kernel.bands
+        bending: tuple[np.ndarray, ...] = ()
+        if self.node is not None and self.twist is not None:
             bending = (self.node.reshape(-1), self.twist.reshape(-1))
-            evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place, *bending)
+        evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place, *bending)
         return self.row_energy.sum(axis=1)
 
 
@@ -85,20 +88,29 @@ def build_force(
     """
     if grid.nj > MOST_COLUMNS:
         raise ValueError(f"a mesh line has {grid.nj} nodes; the kernels take at most {MOST_COLUMNS}")
-    node, twist, slots = None, None, membrane.SLOTS
-    if model.bending:
+    law: tuple = model.law(sheet.poisson)
+    node, twist, bound = None, None, None
+    if model.curvature != "none":
         k = curvature_constants(grid, sheet, supports)
-        node = plate.node_constants(k)
-        twist, slots = np.concatenate([k.C33[None], plate.hourglass_constants(grid)]), plate.SLOTS
+        twist = np.concatenate([k.C33[None], plate.hourglass_constants(grid)])
+        node = (
+            plate.node_constants(k) if model.curvature == "full" else plate_linear.linear_constants(grid, k)
+        )
+    if node is not None and twist is not None and model.curvature == "linear":
+        bound = plate_linear.stiffness_bound(node, twist, grid.closed)
+    kernel = KERNELS[model.components, model.curvature]
     return Force(
-        law=model.law(sheet.poisson),
+        kernel=kernel,
+        law=under_moderate_rotation(law) if model.moderate else law,
         relaxed=model.relaxed,
+        components=model.components,
         rows=grid.ni,
         columns=grid.nj,
         closed=grid.closed,
         zone=membrane.zone_constants(grid),
         node=node,
         twist=twist,
-        scratch=np.zeros((threads, slots * PITCH)),
+        bound=bound,
+        scratch=np.zeros((threads, kernel.slots * PITCH)),
         row_energy=np.zeros((3, grid.ni)),
     )

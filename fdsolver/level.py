@@ -54,21 +54,21 @@ class Level:
         return np.concatenate([self.grid.u, np.zeros((self.grid.ni, self.grid.nj, 1))], axis=-1)
 
     def scaled(self, r: np.ndarray) -> np.ndarray:
-        """Positions (ni, nj, 3) in mm as the engine's (3, ni, nj) in lengths L."""
-        return np.ascontiguousarray(np.moveaxis(r, -1, 0)) / self.grid.length_mm
+        """Positions (ni, nj, 3) in mm as the engine's (components, ni, nj) in lengths L."""
+        return np.ascontiguousarray(np.moveaxis(r, -1, 0)[: self.model.components]) / self.grid.length_mm
 
     def unscaled(self, r: np.ndarray) -> np.ndarray:
-        """The engine's positions (3, ni, nj) as (ni, nj, 3) in mm."""
-        return np.ascontiguousarray(np.moveaxis(r, 0, -1)) * self.grid.length_mm
+        """The engine's positions (components, ni, nj) as (ni, nj, 3) in mm."""
+        return in_space(r) * self.grid.length_mm
 
     def start(self) -> np.ndarray:
-        """The interpolated start with its perturbation, (3, ni, nj) scaled."""
+        """The interpolated start with its perturbation, (components, ni, nj) scaled."""
         grid, edges, initial = self.grid, self.problem.edges, self.problem.initial
         r = smooth_start(grid, edges) if initial is None else carried_start(grid, edges, *initial)
         return self.scaled(self._perturbed(r))
 
     def start_from(self, coarse: Level, r: np.ndarray) -> np.ndarray:
-        """The state r of a coarser level on this mesh, with this mesh's own edge positions; (3, ni, nj) scaled."""
+        """The state r of a coarser level on this mesh, with this mesh's edge positions; (components, ni, nj) scaled."""
         carried = prolong(coarse.unscaled(r) - coarse.flat, coarse.grid, self.grid) + self.flat
         carried[self.fixed] = smooth_start(self.grid, self.problem.edges)[self.fixed]
         return self.scaled(self._perturbed(carried))
@@ -76,3 +76,10 @@ class Level:
     def _perturbed(self, r: np.ndarray) -> np.ndarray:
         amplitude = self.problem.perturbation if self.model.buckles else 0.0
         return perturb(r, self.grid, self.fixed, amplitude, self.problem.seed)
+
+
+def in_space(field: np.ndarray) -> np.ndarray:
+    """A field (components, ni, nj) as (ni, nj, 3); what the plane lacks is zero."""
+    space = np.zeros((*field.shape[1:], 3))
+    space[..., : len(field)] = np.moveaxis(field, 0, -1)
+    return space

@@ -16,8 +16,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from fdsolver import plane_motion
 from fdsolver.effects import Force
-from fdsolver.membrane import stress
+from fdsolver.membrane import strain, stress
 from fdsolver.rows import compiled
 
 SAFETY = 1.4  # over the bound m >= k / 4 of central differences; covers the growth of k between two updates
@@ -39,9 +40,23 @@ def _principal(c11, c22, c12):
 
 
 @compiled
+def _gradient(r, i, k, j, zone, f):
+    """Deformation gradient of zone (i, j), whose far node row is k, into f (3, 2); in the plane f[2] stays as it is."""
+    g1x, g1y, g2x, g2y = zone[0, i, j], zone[1, i, j], zone[2, i, j], zone[3, i, j]
+    for axis in range(r.shape[0]):
+        d1, d2 = r[axis, k, j + 1] - r[axis, i, j], r[axis, i, j + 1] - r[axis, k, j]
+        f[axis, 0], f[axis, 1] = d1 * g1x + d2 * g2x, d1 * g1y + d2 * g2y
+
+
+@compiled
 def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, stiffness):
-    """Add the zones' share of the stiffness bound to their corners; `ahead` is where r will be at the next call."""
+    """Add the zones' share of the stiffness bound to their corners; `ahead` is where r will be at the next call.
+
+    r, ahead : (components, ni, nj). stiffness : (6, ni, nj), or (3, ni, nj) in the plane (xx, yy, xy).
+    """
     rows, columns = r.shape[1], r.shape[2]
+    space = r.shape[0] == 3
+    xy = 3 if space else 2
     nu = law.poisson
     modulus = 1.0 / (1.0 - nu * nu)
     f, g = np.zeros((3, 2)), np.zeros((3, 2))
@@ -49,24 +64,23 @@ def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, sti
         k = (i + 1) % rows
         for j in range(columns - 1):
             g1x, g1y, g2x, g2y = zone[0, i, j], zone[1, i, j], zone[2, i, j], zone[3, i, j]
-            for axis in range(3):
-                d1, d2 = r[axis, k, j + 1] - r[axis, i, j], r[axis, i, j + 1] - r[axis, k, j]
-                f[axis, 0], f[axis, 1] = d1 * g1x + d2 * g2x, d1 * g1y + d2 * g2y
-                d1, d2 = ahead[axis, k, j + 1] - ahead[axis, i, j], ahead[axis, i, j + 1] - ahead[axis, k, j]
-                g[axis, 0], g[axis, 1] = d1 * g1x + d2 * g2x, d1 * g1y + d2 * g2y
+            _gradient(r, i, k, j, zone, f)
+            _gradient(ahead, i, k, j, zone, g)
+            turn = ((f - g) ** 2).sum()
+            e11, e22, e12 = strain(law, f)
+            major, minor, cosine, sine = _principal(e11, e22, e12)
+            s11, s22, s12, _ = stress(law, e11, e22, e12)
+            e11, e22, e12 = strain(law, g)
+            next_major, next_minor, _, _ = _principal(e11, e22, e12)
+            # the strain changes by sym f^T dF, f being what `strain` has left of it
             c11, c22 = f[0, 0] ** 2 + f[1, 0] ** 2 + f[2, 0] ** 2, f[0, 1] ** 2 + f[1, 1] ** 2 + f[2, 1] ** 2
             c12 = f[0, 0] * f[0, 1] + f[1, 0] * f[1, 1] + f[2, 0] * f[2, 1]
-            largest, smallest, cosine, sine = _principal(c11, c22, c12)
-            s11, s22, s12, _ = stress(law, 0.5 * (c11 - 1.0), 0.5 * (c22 - 1.0), 0.5 * c12)
-            turn = ((f - g) ** 2).sum()
+            largest = _principal(c11, c22, c12)[0]
             most, least, _, _ = _principal(s11, s22, s12)
             # Compression counts as well: what it makes unstable must grow slowly, over many steps.
             tension = max(abs(most), abs(least)) + floor + TURN * turn
-            b11, b22 = g[0, 0] ** 2 + g[1, 0] ** 2 + g[2, 0] ** 2, g[0, 1] ** 2 + g[1, 1] ** 2 + g[2, 1] ** 2
-            b12 = g[0, 0] * g[0, 1] + g[1, 0] * g[1, 1] + g[2, 0] * g[2, 1]
-            next_largest, next_smallest, _, _ = _principal(b11, b22, b12)
-            lateral = 0.5 * (smallest - 1.0 + nu * (largest - 1.0))
-            change = abs(0.5 * (next_smallest - 1.0 + nu * (next_largest - 1.0)) - lateral)
+            lateral = minor + nu * major
+            change = abs(next_minor + nu * next_major - lateral)
             a, b, c = g1x * g1x + g1y * g1y, g2x * g2x + g2y * g2y, g1x * g2x + g1y * g2y
             weight = 2.0 * zone[4, i, j] * _principal(a, b, c)[0]
             if relaxed and lateral + 2.0 * change + margin < 0.0:
@@ -75,7 +89,7 @@ def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, sti
                     f[1, 0] * cosine + f[1, 1] * sine,
                     f[2, 0] * cosine + f[2, 1] * sine,
                 )
-                shear = max(largest - 1.0, 0.0) / (largest - smallest + 1e-300) * largest
+                shear = max(major, 0.0) / (major - minor + 1e-300) * largest
                 along, across = weight * largest, weight * (tension + shear)
                 size = np.sqrt(px * px + py * py + pz * pz)
                 wx, wy, wz = px / size, py / size, pz / size
@@ -90,10 +104,11 @@ def _membrane_stiffness(law, r, ahead, zone, closed, relaxed, floor, margin, sti
             for row, column in ((i, j), (k, j), (k, j + 1), (i, j + 1)):
                 stiffness[0, row, column] += across + along * wx * wx
                 stiffness[1, row, column] += across + along * wy * wy
-                stiffness[2, row, column] += across + along * wz * wz
-                stiffness[3, row, column] += along * wx * wy
-                stiffness[4, row, column] += along * wx * wz
-                stiffness[5, row, column] += along * wy * wz
+                stiffness[xy, row, column] += along * wx * wy
+                if space:
+                    stiffness[2, row, column] += across + along * wz * wz
+                    stiffness[4, row, column] += along * wx * wz
+                    stiffness[5, row, column] += along * wy * wz
 
 
 @compiled
@@ -192,31 +207,44 @@ def nodal_masses(
 ) -> np.ndarray:
     """Masses that make a unit time step stable at the state r.
 
-    r, ahead : (3, ni, nj) float64, scaled positions now and as they will be at the next update if nothing slows them.
+    r, ahead : (components, ni, nj) float64, scaled positions now and as they will be at the next update if nothing
+        slows them.
     relaxed : whether the law carries no compression.
     kind : "nodal" (3 x 3), "isotropic" (its trace) or "uniform" (the maximum over the mesh, as published).
 
-    Returns (6, ni, nj) float64: xx, yy, zz, xy, xz, yz of every node's mass, scaled (time step 1).
+    Returns (6, ni, nj) float64: xx, yy, zz, xy, xz, yz of every node's mass, scaled (time step 1); in the plane
+    (3, ni, nj): xx, yy, xy.
     """
-    stiffness = np.zeros((6, force.rows, force.columns))
+    axes = force.components
+    stiffness = np.zeros((axes * (axes + 1) // 2, force.rows, force.columns))
     _membrane_stiffness(force.law, r, ahead, force.zone, force.closed, relaxed, FLOOR, MARGIN, stiffness)
-    if force.node is not None and force.twist is not None:
+    if force.bound is not None:
+        stiffness[2] += force.bound
+    elif force.node is not None and force.twist is not None:
         bending = np.zeros((force.rows, force.columns))
         _node_bending_stiffness(r, force.node, force.closed, bending)
         _zone_bending_stiffness(r, force.node, force.twist[0], force.closed, bending)
         stiffness[:3] += bending
     if kind in ("isotropic", "uniform"):
-        trace = stiffness[:3].sum(axis=0)
-        stiffness[:3] = trace if kind == "isotropic" else trace.max()
-        stiffness[3:] = 0.0
+        trace = stiffness[:axes].sum(axis=0)
+        stiffness[:axes] = trace if kind == "isotropic" else trace.max()
+        stiffness[axes:] = 0.0
     elif kind != "nodal":
         raise ValueError(f"mass must be nodal, isotropic or uniform, not {kind!r}")
     return 0.25 * SAFETY * stiffness
 
 
+def invert(mass: np.ndarray, free: np.ndarray, inverse: np.ndarray) -> None:
+    """Inverse of every node's symmetric mass; zero at fixed nodes, which then never move.
+
+    mass, inverse : (6, nodes), in the plane (3, nodes), float64. free : (nodes,) bool.
+    """
+    (_invert_in_space if len(mass) == 6 else plane_motion.invert)(mass, free, inverse)
+
+
 @compiled
-def invert(mass, free, inverse):
-    """Inverse of every node's symmetric mass; zero at fixed nodes, which then never move. Arrays (6, ...) flat."""
+def _invert_in_space(mass, free, inverse):
+    """`invert` of 3 x 3 masses."""
     for k in range(free.size):
         if not free[k]:
             for m in range(6):

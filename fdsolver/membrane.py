@@ -24,6 +24,7 @@ G1X, G1Y, G2X, G2Y, AREA = slots(5, 6)
 T1X, T1Y, T1Z, T2X, T2Y, T2Z = slots(6, 11)
 UPPER_X, UPPER_Y, UPPER_Z = slots(3, 17)  # what the zone row below pulls with on the present node row
 SLOTS = 20
+OWN_KINEMATICS: set[type] = set()  # laws that register `first_piola` themselves (see `moderate`)
 
 
 class StVenantKirchhoff(NamedTuple):
@@ -72,6 +73,54 @@ def zone_constants(grid: Grid) -> np.ndarray:
     return np.ascontiguousarray(np.concatenate([g1, g2, 0.5 * twice_area[None]]))
 
 
+def first_piola(law, fx1, fx2, fy1, fy2, fz1, fz2):
+    """First Piola stress (px1, px2, py1, py2, pz1, pz2) / Y = dW/dF and the energy density W / Y.
+
+    Compile-time dispatch on the type of `law`: Green's strain, unless the law registers kinematics of its own.
+    """
+    raise NotImplementedError("kinematics are compiled functions")
+
+
+@overload(first_piola)
+def _of_green_strain(law, fx1, fx2, fy1, fy2, fz1, fz2):
+    if getattr(law, "instance_class", None) in OWN_KINEMATICS:
+        return None
+
+    def evaluate(law, fx1, fx2, fy1, fy2, fz1, fz2):
+        e11 = 0.5 * (fx1 * fx1 + fy1 * fy1 + fz1 * fz1 - 1.0)
+        e22 = 0.5 * (fx2 * fx2 + fy2 * fy2 + fz2 * fz2 - 1.0)
+        e12 = 0.5 * (fx1 * fx2 + fy1 * fy2 + fz1 * fz2)
+        s11, s22, s12, density = stress(law, e11, e22, e12)
+        px1, px2 = fx1 * s11 + fx2 * s12, fx1 * s12 + fx2 * s22
+        py1, py2 = fy1 * s11 + fy2 * s12, fy1 * s12 + fy2 * s22
+        pz1, pz2 = fz1 * s11 + fz2 * s12, fz1 * s12 + fz2 * s22
+        return px1, px2, py1, py2, pz1, pz2, density
+
+    return evaluate
+
+
+def strain(law, f):
+    """Strain (e11, e22, e12) of the deformation gradient f (3, 2), of which is left what sym f^T dF = dE asks for.
+
+    For bounds on the stiffness, not for the hot kernels. Green's strain leaves f as it is; kinematics of a law's own
+    register themselves as `first_piola` does.
+    """
+    raise NotImplementedError("kinematics are compiled functions")
+
+
+@overload(strain)
+def _green_strain(law, f):
+    if getattr(law, "instance_class", None) in OWN_KINEMATICS:
+        return None
+
+    def evaluate(law, f):
+        e11 = 0.5 * (f[0, 0] ** 2 + f[1, 0] ** 2 + f[2, 0] ** 2 - 1.0)
+        e22 = 0.5 * (f[0, 1] ** 2 + f[1, 1] ** 2 + f[2, 1] ** 2 - 1.0)
+        return e11, e22, 0.5 * (f[0, 0] * f[0, 1] + f[1, 0] * f[1, 1] + f[2, 0] * f[2, 1])
+
+    return evaluate
+
+
 @compiled
 def load_nodes(s, x, y, z, r, row, rows, columns):
     """Load the positions of one row of nodes into the slots x, y, z."""
@@ -104,14 +153,9 @@ def zone_row(s, law, columns):
         g1x, g1y, g2x, g2y, area = s[G1X + j], s[G1Y + j], s[G2X + j], s[G2Y + j], s[AREA + j]
         fx1, fy1, fz1 = d1x * g1x + d2x * g2x, d1y * g1x + d2y * g2x, d1z * g1x + d2z * g2x
         fx2, fy2, fz2 = d1x * g1y + d2x * g2y, d1y * g1y + d2y * g2y, d1z * g1y + d2z * g2y
-        e11 = 0.5 * (fx1 * fx1 + fy1 * fy1 + fz1 * fz1 - 1.0)
-        e22 = 0.5 * (fx2 * fx2 + fy2 * fy2 + fz2 * fz2 - 1.0)
-        e12 = 0.5 * (fx1 * fx2 + fy1 * fy2 + fz1 * fz2)
-        s11, s22, s12, density = stress(law, e11, e22, e12)
+        px1, px2, py1, py2, pz1, pz2, density = first_piola(law, fx1, fx2, fy1, fy2, fz1, fz2)
         energy += area * density
-        px1, px2 = area * (fx1 * s11 + fx2 * s12), area * (fx1 * s12 + fx2 * s22)
-        py1, py2 = area * (fy1 * s11 + fy2 * s12), area * (fy1 * s12 + fy2 * s22)
-        pz1, pz2 = area * (fz1 * s11 + fz2 * s12), area * (fz1 * s12 + fz2 * s22)
+        px1, px2, py1, py2, pz1, pz2 = area * px1, area * px2, area * py1, area * py2, area * pz1, area * pz2
         s[T1X + j], s[T2X + j] = px1 * g1x + px2 * g1y, px1 * g2x + px2 * g2y
         s[T1Y + j], s[T2Y + j] = py1 * g1x + py2 * g1y, py1 * g2x + py2 * g2y
         s[T1Z + j], s[T2Z + j] = pz1 * g1x + pz2 * g1y, pz1 * g2x + pz2 * g2y

@@ -81,7 +81,7 @@ class Progress:
 class State:
     """All that a relaxation carries from block to block.
 
-    r, v : (3, ni, nj) float64, scaled positions and velocities. mass, inverse_mass : (6, ni, nj), see `mass`; the
+    r, v : (components, ni, nj) float64, scaled positions and velocities. mass, inverse_mass : see `mass`; the
     inverse is 0 at fixed nodes.
     """
 
@@ -122,8 +122,8 @@ class State:
 
 
 def begin(r: np.ndarray) -> State:
-    """The state of rest at the positions r (3, ni, nj), scaled."""
-    mass = np.zeros((6, *r.shape[1:]))
+    """The state of rest at the positions r (components, ni, nj), scaled."""
+    mass = np.zeros((len(r) * (len(r) + 1) // 2, *r.shape[1:]))
     return State(r=r.copy(), v=np.zeros_like(r), mass=mass, inverse_mass=mass.copy(), safe=r.copy())
 
 
@@ -132,7 +132,7 @@ def _largest_force(f, weight):
     """Largest |f| * weight over all components, and the sum of squares, which a NaN cannot hide from."""
     largest = squares = 0.0
     for k in range(weight.size):
-        for axis in range(3):
+        for axis in range(f.size // weight.size):
             value = abs(f[axis * weight.size + k]) * weight[k]
             largest = max(largest, value)
             squares += value * value
@@ -249,7 +249,8 @@ def _look(
     """Evaluate the force, record the state, and decide: end (a Status), go back with heavier masses, or go on."""
     energy = float(force(state.r, f).sum())
     nodes = weight.size
-    kinetic = 0.5 * float(damping.twice_kinetic(state.v.reshape(3, nodes), state.mass.reshape(6, nodes)))
+    v, mass = (field.reshape(len(field), nodes) for field in (state.v, state.mass))
+    kinetic = 0.5 * float(damping.twice_kinetic(v, mass))
     state.residual = residual(f, weight)
     if state.history and state.history[-1][0] == state.step:
         state.history.pop()  # the same look again, after a kick or a resume
@@ -296,5 +297,5 @@ def _set_masses(force: Force, free: np.ndarray, state: State, kind: str) -> None
     ahead = state.r + BLOCK * MASS_EVERY * state.v
     mass = state.mass_factor * nodal_masses(force, state.r, ahead, force.relaxed, kind)
     inverse = np.zeros_like(mass)
-    invert(mass.reshape(6, -1), free.reshape(-1), inverse.reshape(6, -1))
+    invert(mass.reshape(len(mass), -1), free.reshape(-1), inverse.reshape(len(mass), -1))
     state.mass, state.inverse_mass = mass, inverse  # new arrays: `_keep` has the old ones

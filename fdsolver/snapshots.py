@@ -120,7 +120,8 @@ def final_shape(index: int, before: int, level: Level, state: State) -> Shape:
 
 def _shape(index: int, before: int, level: Level, state: State) -> Shape:
     nodes = level.weight.size
-    twice = twice_kinetic(state.v.reshape(3, nodes), state.mass.reshape(6, nodes))
+    v, mass = (field.reshape(len(field), nodes) for field in (state.v, state.mass))
+    twice = twice_kinetic(v, mass)
     energy = 0.5 * float(twice) * level.energy_unit
     return Shape(index, state.step, before + state.step, energy, level.unscaled(state.r))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fdsolver.fields import hourglass_share, reactions, zone_fields
-from fdsolver.level import Level
+from fdsolver.level import Level, in_space
 from fdsolver.model import Model
 from fdsolver.relax import Settings
 from fdsolver.result import Solution, Status
@@ -58,7 +58,7 @@ def assemble(
             "bending": bending,
             "hourglass": control,
         },
-        reactions=reactions(grid, problem.edges, r, np.moveaxis(f, 0, -1) * level.force_unit),
+        reactions=reactions(grid, problem.edges, r, in_space(f) * level.force_unit),
         zone=fields,
         history=dict(zip(HISTORY, history, strict=True)),
         hourglass=hourglass,

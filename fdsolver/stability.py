@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eigh_tridiagonal
 
-from fdsolver.damping import twice_kinetic
+from fdsolver.damping import twice_kinetic_in_space
 from fdsolver.effects import Force
 from fdsolver.level import Level
 from fdsolver.planar import lowest_out_of_plane
@@ -98,7 +98,7 @@ def _lanczos(
     force(state.r, at_rest)
     change = moved.reshape(3, nodes)
     q, previous, image = start.reshape(3, nodes).copy(), np.zeros((3, nodes)), np.empty((3, nodes))
-    q /= np.sqrt(twice_kinetic(q, mass))
+    q /= np.sqrt(twice_kinetic_in_space(q, mass))
     diagonal: list[float] = []
     off: list[float] = []
     best = np.inf
@@ -144,7 +144,7 @@ def _orthogonalise(q, previous, at_rest, moved, probe, coupling, mass, inverse, 
     for axis in range(3):
         for k in range(q.shape[1]):
             image[axis, k] -= along * q[axis, k] + coupling * previous[axis, k]
-    return along, np.sqrt(twice_kinetic(image, mass))
+    return along, np.sqrt(twice_kinetic_in_space(image, mass))
 
 
 def relax_to_stable(

@@ -18,6 +18,7 @@ from numba.extending import overload
 
 from fdsolver.membrane import stress
 from fdsolver.model import Model
+from fdsolver.moderate import register
 
 TINY = 1e-300  # keeps 0 / 0 out of the direction of an isotropic strain, where it does not matter
 
@@ -26,6 +27,15 @@ class Relaxed(NamedTuple):
     """Pipkin's relaxation of the St. Venant-Kirchhoff membrane, scaled by Y. poisson : nu."""
 
     poisson: float
+
+
+class ModerateRelaxed(NamedTuple):
+    """`Relaxed` under moderate rotations. poisson : nu."""
+
+    poisson: float
+
+
+register(ModerateRelaxed, Relaxed)
 
 
 @overload(stress)

@@ -11,7 +11,7 @@ STEP = 1e-6  # scaled displacement: curvature of the energy costs its square, ro
 
 
 def tangent(force: Force, r: np.ndarray) -> np.ndarray:
-    """-df/dr at r (3, ni, nj), symmetric (3 n, 3 n), by central differences, one column at a time."""
+    """-df/dr at r (c, ni, nj), symmetric (c n, c n), by central differences, one column at a time."""
     matrix = np.empty((r.size, r.size))
     up, down, place = np.empty_like(r), np.empty_like(r), r.copy()
     for k in range(r.size):
@@ -24,7 +24,13 @@ def tangent(force: Force, r: np.ndarray) -> np.ndarray:
 
 
 def mass_matrix(mass: np.ndarray) -> np.ndarray:
-    """The (3 n, 3 n) matrix of nodal masses (6, ni, nj): xx, yy, zz, xy, xz, yz."""
+    """The (3 n, 3 n) matrix of nodal masses (6, ni, nj): xx, yy, zz, xy, xz, yz.
+
+    In the plane (2 n, 2 n) of (3, ni, nj): xx, yy, xy.
+    """
+    if len(mass) == 3:
+        xx, yy, xy = (np.diag(part.ravel()) for part in mass)
+        return np.block([[xx, xy], [xy, yy]])
     xx, yy, zz, xy, xz, yz = (np.diag(part.ravel()) for part in mass)
     return np.block([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
@@ -37,6 +43,6 @@ def node_matrices(mass: np.ndarray) -> np.ndarray:
 
 def frequencies(force: Force, r: np.ndarray, mass: np.ndarray, free: np.ndarray) -> np.ndarray:
     """Ascending eigenvalues w of K v = w m v with the nodes outside `free` (ni, nj) held."""
-    loose = np.tile(free.ravel(), 3)
+    loose = np.tile(free.ravel(), len(r))
     pair = (matrix[np.ix_(loose, loose)] for matrix in (tangent(force, r), mass_matrix(mass)))
     return eigh(*pair, eigvals_only=True)
