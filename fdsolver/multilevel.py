@@ -20,6 +20,7 @@ from fdsolver.result import Solution, Status
 from fdsolver.snapshots import Recorder, final_shape
 from fdsolver.solution import assemble
 from fdsolver.stability import relax_to_stable
+from fdsolver.trail import Trail, with_trail
 from fdsolver.warm import compile_kernels
 
 COARSEST = 1000  # nodes: below this a coarser level saves nothing
@@ -46,6 +47,7 @@ class Run:
     level : index of the present mesh, coarsest first. done : summaries of the finished levels. history : rows
     (level, step, energy, kinetic, residual, restart) of the finished levels, energies in N mm. limit_steps,
     limit_seconds : what the run had used when it last ended at a limit; a resumed run gets as much again.
+    trail : states on the way, for the error estimate.
     """
 
     state: State
@@ -56,6 +58,7 @@ class Run:
     cpu_seconds: float = 0.0
     limit_steps: int = 0
     limit_seconds: float = 0.0
+    trail: Trail = field(default_factory=Trail)
 
     def as_arrays(self) -> dict[str, Any]:
         """The run as named arrays and strings."""
@@ -64,7 +67,7 @@ class Run:
         own = {"level": self.level, "done": json.dumps(self.done), "history": history}
         used = {"seconds": self.seconds, "cpu_seconds": self.cpu_seconds}
         limits = {"limit_steps": self.limit_steps, "limit_seconds": self.limit_seconds}
-        return {**state, **own, **used, **limits}
+        return {**state, **own, **used, **limits, **self.trail.as_arrays()}
 
     @classmethod
     def from_arrays(cls, saved: Mapping[str, Any]) -> Run:
@@ -81,6 +84,7 @@ class Run:
             cpu_seconds=float(saved["cpu_seconds"]),
             limit_steps=int(saved["limit_steps"]),
             limit_seconds=float(saved["limit_seconds"]),
+            trail=Trail.from_arrays(saved),
         )
 
     @property
@@ -145,7 +149,7 @@ def solve(
     saved = checkpoint.load() if checkpoint is not None else None
     run = Run.from_arrays(saved) if saved is not None else None
     at = run.level if run is not None else 0
-    level = Level(_on_mesh(problem, model, grids[at], settings), model, grids[at], settings.threads)
+    level = _level(problem, model, grids[at], settings)
     recorder = Recorder(settings.snapshots, settings.damping.startswith("kinetic"))
     if run is None or saved is None:
         run = Run(begin(level.start()))
@@ -166,23 +170,26 @@ def solve(
         run.finish_level(level)
         if last:
             break
+        run.trail.finish_mesh(run.state)
         run.level += 1
         grid = grids[run.level]
-        coarse, level = level, Level(_on_mesh(problem, model, grid, settings), model, grid, settings.threads)
+        coarse, level = level, _level(problem, model, grid, settings)
         run.state = begin(level.start_from(coarse, run.state.r))
     solution = assemble(model, settings, level, status, stability, run, seconds_compile)
+    coarser = [_level(problem, model, grid, settings) for grid in grids[: run.level]]
+    solution = with_trail(solution, run.trail, [*coarser, level])
     if not settings.snapshots:
         return solution
     end = final_shape(run.level, before, level, run.state)
     return replace(solution, snapshots=recorder.arrays(grids, end))
 
 
-def _on_mesh(problem: Problem, model: Model, grid: Grid, settings: Settings) -> Problem:
-    """The problem as it is solved on one of the nested meshes (see `Settings.thicken`)."""
-    if not (settings.thicken and model.bending):
-        return problem
-    thickness = problem.sheet.thickness_mm * problem.grid.nodes / grid.nodes
-    return replace(problem, sheet=replace(problem.sheet, thickness_mm=thickness))
+def _level(problem: Problem, model: Model, grid: Grid, settings: Settings) -> Level:
+    """The problem on one of the nested meshes, where its sheet may be thicker (see `Settings.thicken`)."""
+    if settings.thicken and model.bending:
+        thickness = problem.sheet.thickness_mm * problem.grid.nodes / grid.nodes
+        problem = replace(problem, sheet=replace(problem.sheet, thickness_mm=thickness))
+    return Level(problem, model, grid, settings.threads)
 
 
 class _Clock:
@@ -215,6 +222,7 @@ def _watcher(
     def watch(state: State) -> None:
         nonlocal saved
         clock.charge(run)
+        run.trail.look(state, settings.tolerance)
         recorder.look(run.level, before, level, state)
         if progress is not None:
             rate = state.step / state.seconds if state.seconds > 0.0 else 0.0

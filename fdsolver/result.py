@@ -80,6 +80,8 @@ class Solution:
     reactions : edge name -> Reaction, for supported edges.
     history : equal-length arrays "level", "step", "energy", "kinetic" (both N mm), "residual", "restart".
     levels : per nested mesh: nodes, steps, residual, energy_N_mm, seconds.
+    coarser, earlier : the same problem's equilibria on coarser meshes, coarsest first, and its state on the last mesh
+        some iterations before the end (`trail`); a solution read from a folder has neither.
     snapshots : empty, or the way to the equilibrium (`snapshots.Recorder.arrays`).
     """
 
@@ -106,3 +108,5 @@ class Solution:
     threads: int
     seed: int
     snapshots: Mapping[str, np.ndarray] = field(default_factory=dict)
+    coarser: tuple[Solution, ...] = ()
+    earlier: Solution | None = None
