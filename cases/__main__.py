@@ -55,6 +55,10 @@ def _command(arguments: argparse.Namespace, interruption: Interruption) -> int:
         from cases.study_command import study
 
         return study(arguments, interruption)
+    if arguments.command == "hard":
+        from cases.hard_command import hard
+
+        return hard(arguments, interruption)
     from cases import commands
 
     run = {
@@ -118,7 +122,7 @@ def _complain(sentences: Sequence[str], code: int) -> int:
 
 def _how_to_resume(words: Sequence[str]) -> str:
     again = shlex.join(["wrinkle", *words])
-    resumable = bool(words) and words[0] in ("run", "compare", "report", "study")
+    resumable = bool(words) and words[0] in ("run", "compare", "report", "study", "hard")
     return f"interrupted; finished results are kept, `{again}` goes on" if resumable else "interrupted"
 
 

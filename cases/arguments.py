@@ -10,7 +10,6 @@ from typing import Any, NoReturn
 LATER = {
     "plan": "effects, wavelength, nodes and cost of a scene before it is solved",
     "cost": "error against time for every method and mesh",
-    "hard": "the table of hard cases",
 }
 BAD_INPUT = 2
 
@@ -85,6 +84,7 @@ def build() -> tuple[Parser, dict[str, Parser]]:
         "study": _study(
             commands.add_parser("study", help="a parameter study: one result per point, one table")
         ),
+        "hard": _hard(commands.add_parser("hard", help="the table of hard cases, with verdicts")),
         "doctor": _doctor(commands.add_parser("doctor", help="versions, cores, cache, what is missing")),
     }
     for name, what in LATER.items():
@@ -150,6 +150,13 @@ def _study(parser: Parser) -> Parser:
     parser.add_argument("--cluster", metavar="slurm", help="hand the points to this queue (needs submitit)")
     parser.add_argument("--out", metavar="DIR", help="folder (default: runs/STUDY-study)")
     parser.add_argument("--resume", action="store_true", help="go on past step and time limits")
+    parser.add_argument("--quiet", action="store_true", help="no progress lines")
+    return parser
+
+
+def _hard(parser: Parser) -> Parser:
+    parser.add_argument("--families", metavar="A,B,..", help="only these families, separated by commas")
+    parser.add_argument("--out", metavar="DIR", help="folder (default: runs/hard)")
     parser.add_argument("--quiet", action="store_true", help="no progress lines")
     return parser
 

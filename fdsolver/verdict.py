@@ -12,6 +12,7 @@ from fdsolver.result import Status, ZoneFields
 MOST_HOURGLASS = 0.2  # share above which a result is a checkerboard rather than a deformation
 LEFT_OVER = 0.01  # out-of-plane displacement / thickness that may be what is left of the random start
 FLAT = 1e-9  # out-of-plane size / L below which a state is planar: there a zone that turns over is inverted
+MOST_FOLDED = 0.01  # share of taut zones folded over, above which a relaxed membrane is no sheet any more
 TAUT = 1e-6  # share of the largest stress below which a zone is slack in all but name, and free to lie as it likes
 
 
@@ -40,12 +41,14 @@ def judge(
     r: np.ndarray,
     zone: ZoneFields,
     hourglass: Mapping[str, float | None],
+    relaxed: bool = False,
 ) -> tuple[Status, list[str]]:
     """The status of a run whose iteration ended with `status`, and warnings about folds.
 
     A converged state is refused where it is mostly a checkerboard (HOURGLASS) or where taut zones of a planar state
-    are turned over (ZONE_INVERTED). Folds in space that are sharper than the mesh are a warning.
-    r : (ni, nj, 3) float64, mm.
+    are turned over (ZONE_INVERTED). Folds of a plate in space that are sharper than the mesh are a warning; a relaxed
+    membrane has no folds of its own, so many of them mean that it has collapsed (OUTSIDE_VALIDITY).
+    r : (ni, nj, 3) float64, mm. relaxed : whether the model carries no compression.
     """
     folded = folded_zones(grid, r) & (zone.stress_major > TAUT * np.max(zone.stress_major))
     count, share = int(folded.sum()), float(folded.mean())
@@ -65,4 +68,6 @@ def judge(
         return Status.HOURGLASS, warnings
     if count and height < FLAT * grid.length_mm:
         return Status.ZONE_INVERTED, warnings
+    if relaxed and share > MOST_FOLDED:
+        return Status.OUTSIDE_VALIDITY, warnings
     return status, warnings
