@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from cases.hard_table import read_hard
 from reports import (
     section_annulus,
+    section_hard,
     section_hole,
     section_ladder,
     section_other,
@@ -41,6 +43,7 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
     if scenes & set(LADDER):
         sections.append(section_ladder.build(results))
     sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
+    sections.append(section_hard.build(read_hard(benchmarks.parent / "hard")))
     sections += [section_other.open_questions(), section_other.omissions(results)]
     return Report(
         "Wrinkled sheets: plate and tension field beside closed forms",
