@@ -31,8 +31,8 @@ def rectangle(
     """
     length = max(width_mm, height_mm) / 2.0
     a, b = width_mm / (2.0 * length), height_mm / (2.0 * length)
-    columns = max(1, round(math.sqrt(nodes * a / b * aspect) / 2.0))
-    rows = max(1, round(nodes / (4.0 * columns)))
+    columns = max(1, round((math.sqrt(nodes * a / b * aspect) - 1.0) / 2.0))
+    rows = max(1, round((nodes / (2 * columns + 1) - 1.0) / 2.0))
     x, y = a * _symmetric_lines(columns, grading), b * _symmetric_lines(rows, grading)
     if cells == "rectangles":
         mesh: Mesh = MeshQuad.init_tensor(x, y)
@@ -67,11 +67,8 @@ def rectangle_with_hole(
     """A rectangle with a central circular hole, its cells between rays; grading gathers them at the hole."""
     length = max(width_mm, height_mm) / 2.0
     a, b, hole = width_mm / (2.0 * length), height_mm / (2.0 * length), hole_radius_mm / length
-    area = 4.0 * a * b - math.pi * hole**2
-    size = math.sqrt(area / nodes)
-    quarter_columns, quarter_rows = (max(2, round(side / size)) for side in (a, b))
-    rays = max(2, round((0.5 * (a + b) - hole) / size))
-    rim = _rectangle_rim(a, b, quarter_columns, quarter_rows)
+    columns, rows, rays = _holed_counts(a, b, hole, nodes)
+    rim = _rectangle_rim(a, b, columns, rows)
     angle = np.arctan2(rim[:, 1], rim[:, 0])
     circle = hole * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     part = np.linspace(0.0, 1.0, rays + 1)
@@ -82,6 +79,22 @@ def rectangle_with_hole(
     edges = _straight_edges(mesh, a, b)
     edges["hole"] = np.flatnonzero((np.abs(distance - hole) < 1e-9).all(axis=0))
     return SheetMesh(mesh, edges, length, {"hole": Circle((0.0, 0.0), hole)})
+
+
+def _holed_counts(a: float, b: float, hole: float, nodes: int) -> tuple[int, int, int]:
+    """Cells along half the width, half the height and a ray, as even as they go, for about this many vertices."""
+
+    def counts(size: float) -> tuple[int, int, int]:
+        lengths = a, b, 0.5 * (a + b) - hole
+        columns, rows, rays = (max(2, round(length / size)) for length in lengths)
+        return columns, rows, rays
+
+    def miss(size: float) -> float:
+        columns, rows, rays = counts(size)
+        return abs(4 * (columns + rows) * (rays + 1) - nodes)
+
+    largest = math.sqrt(4.0 * a * b / nodes) * 2.0
+    return counts(min(np.linspace(0.2 * largest, largest, 200), key=miss))
 
 
 def _symmetric_lines(half: int, grading: float) -> np.ndarray:

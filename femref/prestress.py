@@ -33,7 +33,7 @@ class PlaneState:
     """A plane state of the sheet.
 
     gradient : (2, 2, cells, points) F - 1 at the quadrature points. stress : the same shape, S / Y (2nd Piola; of the
-    linear theory: sigma / Y). second : (2, 2, 2, cells, points) second derivatives u_k,ab, per unit of L.
+    linear theory: sigma / Y).
     displacement_mm : (vertices, 2). reaction_N : edge -> (fx, fy, moment about the origin in N mm), what the support
     exerts. energy_N_mm : of the whole sheet. residual : largest free nodal force / (Y h L).
     unknowns : the displacement field, to start a next load from.
@@ -41,7 +41,6 @@ class PlaneState:
 
     gradient: np.ndarray
     stress: np.ndarray
-    second: np.ndarray
     displacement_mm: np.ndarray
     reaction_N: dict[str, tuple[float, float, float]]
     energy_N_mm: float
@@ -110,7 +109,6 @@ class PlaneProblem:
         return PlaneState(
             gradient,
             stress,
-            np.zeros(0) if field.hess is None else np.asarray(field.hess),
             length * unknowns[self.basis.dofs.nodal_dofs].T,
             {edge: self._reaction(edge, force, unknowns, finite) for edge in self.movements},
             0.5 * stiffness * length**2 * float((ddot(stress, strain) * self.basis.dx).sum()),
