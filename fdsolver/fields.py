@@ -13,6 +13,7 @@ from fdsolver.membrane import zone_constants
 from fdsolver.result import Reaction, ZoneFields
 
 SLACK, WRINKLED, TENSE = 0, 1, 2
+STRAIN_ROUNDING = 1e-12  # a few thousand roundings of a stretch near one
 HARDLY_MOVED = 1e-9  # of the sheet's size: a displacement below it has no hourglass share
 
 
@@ -39,9 +40,12 @@ def principal_strains(gradient: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def zone_state(major: np.ndarray, minor: np.ndarray, poisson: float) -> np.ndarray:
-    """Slack, wrinkled or tense (0, 1, 2; int8) from the principal Green strains (Pipkin 1986)."""
+    """Slack, wrinkled or tense (0, 1, 2; int8) from the principal Green strains (Pipkin 1986).
+
+    A largest strain that is no more than the rounding of positions is none: such a zone is slack.
+    """
     wrinkled = np.where(minor + poisson * major > 0.0, TENSE, WRINKLED)
-    return np.where(major > 0.0, wrinkled, SLACK).astype(np.int8)
+    return np.where(major > STRAIN_ROUNDING, wrinkled, SLACK).astype(np.int8)
 
 
 def zone_fields(grid: Grid, sheet: Sheet, r: np.ndarray, relaxed: bool) -> ZoneFields:

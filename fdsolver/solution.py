@@ -37,7 +37,7 @@ def assemble(
     r = level.unscaled(run.state.r)
     fields = zone_fields(grid, sheet, r, relaxed=model.relaxed)
     hourglass = hourglass_share(grid, r)
-    status, folds = judge(status, grid, sheet.thickness_mm, r, fields, hourglass)
+    status, folds = judge(status, grid, sheet.thickness_mm, r, fields, hourglass, model.relaxed)
     history = np.asarray(run.history, dtype=float).reshape(-1, len(HISTORY)).T.copy()
     return Solution(
         method=model.name,
