@@ -85,6 +85,16 @@ def _buckling(task: Task) -> AnySolution:
         raise MethodError(str(reason)) from reason
 
 
+def _postbuckling(task: Task) -> AnySolution:
+    from cases.postbuckling import solve_postbuckling
+    from femref.inertia import NotCertified
+
+    try:
+        return solve_postbuckling(task.scene, task.threads, task.seed, task.progress)
+    except NotCertified as reason:
+        raise MethodError(str(reason)) from reason
+
+
 METHODS = {
     method.name: method
     for method in (
@@ -92,10 +102,19 @@ METHODS = {
         Method("membrane", "unrelaxed membrane", False, False, 1e-8, _membrane),
         Method("koiter", "Koiter plate", True, True, 1e-6, _koiter),
         Method("buckling", "buckling factors (finite elements)", True, False, 1e-8, _buckling, True),
+        Method(
+            "postbuckling",
+            "Koiter plate (finite elements)",
+            True,
+            True,
+            1e-9,
+            _postbuckling,
+            finite_elements=True,
+        ),
         Method("exact", "closed form", False, False, 1e-10, _exact),
     )
 }
-LATER = ("koiter-published", "postbuckling")
+LATER = ("koiter-published",)
 NAMES = ("auto", *METHODS, *LATER)
 
 
@@ -122,13 +141,25 @@ def choose(scene: Scene, name: str) -> tuple[Method, str]:
 
 def methods_of(scene: Scene) -> tuple[str, ...]:
     """Names of the methods that can solve a scene now: `exact` only where a closed form exists, `buckling` only
-    under a load in the plane.
+    under a load in the plane, `postbuckling` only for a moderate number of wrinkles.
     """
-    return tuple(name for name in METHODS if why_unfit(scene, name) is None)
+    return tuple(
+        name
+        for name in METHODS
+        if why_unfit(scene, name) is None and not (name == "postbuckling" and _too_many_wrinkles(scene))
+    )
+
+
+def _too_many_wrinkles(scene: Scene) -> bool:
+    """Whether Newton's method would take far longer than the relaxation; it still solves the scene when asked."""
+    from cases.postbuckling_scene import MOST_HALF_WAVES
+
+    strain = _nominal_strain(scene)
+    return strain > 0.0 and scene.sheet.size_mm > MOST_HALF_WAVES * 0.5 * predicted_wavelength(scene, strain)
 
 
 def why_unfit(scene: Scene, name: str) -> str | None:
-    """Why the scene has no closed form or no buckling load; None for a method that fits."""
+    """Why the scene has no closed form, buckling load or mesh of bicubic elements; None for a method that fits."""
     if name == "exact":
         from cases.exact import has_exact
 
@@ -137,6 +168,10 @@ def why_unfit(scene: Scene, name: str) -> str | None:
         from cases.finite_elements import unfit
 
         return unfit(scene)
+    if name == "postbuckling":
+        from cases import postbuckling_scene
+
+        return postbuckling_scene.unfit(scene)
     return None
 
 
@@ -162,11 +197,15 @@ def _relaxed_by(model: Model, task: Task) -> Solution:
 
 def _refuse_options(scene: Scene, method: Method) -> None:
     """Refuse keys whose meaning would otherwise silently be dropped. Raises MethodError."""
+    from_mode = (scene.start.source or "").startswith("mode:")
     later = {
-        f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none",
-        f"start.from = {scene.start.source!r}": (scene.start.source or "").startswith("mode:"),
-        f"start.from = {scene.start.source!r} by {method.name}": method.name in ("exact", "buckling")
-        and scene.start.source is not None,
+        f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none"
+        and method.name != "postbuckling",
+        f"start.from = {scene.start.source!r}": from_mode and method.name != "postbuckling",
+        f"start.from = {scene.start.source!r} by {method.name}": method.name
+        in ("exact", "buckling", "postbuckling")
+        and scene.start.source is not None
+        and not (from_mode and method.name == "postbuckling"),
         "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate",
         "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off",
         "effects.bending = 'off' with a plate": scene.effects.bending == "off" and method.bending,
@@ -229,9 +268,10 @@ def with_numbers(scene: Scene, method: Method, nodes: int | None, tolerance: flo
     solver = scene.solver.model_copy(update={"tolerance": method.tolerance if chosen is None else chosen})
     mesh = scene.mesh
     if method.finite_elements:
-        from cases.finite_elements import default_vertices
+        from cases import finite_elements, postbuckling_scene
 
-        vertices = nodes or mesh.vertices or default_vertices(scene)
+        home = postbuckling_scene if method.name == "postbuckling" else finite_elements
+        vertices = nodes or mesh.vertices or home.default_vertices(scene)
         mesh = mesh.model_copy(update={"vertices": vertices})
     elif nodes is not None:
         mesh = mesh.model_copy(update={"nodes": nodes})

@@ -141,13 +141,13 @@ def _sampled(
     """Evenly spaced samples of a line, as many as the mesh deserves: s, points and places of those on the
     sheet.
     """
-    s, points = _points(line, _FEWEST_SAMPLES)
+    s, points = line_points(line, _FEWEST_SAMPLES)
     places = lattice.locate(points)
     tangents = _tangents(line, points)
     crossed = float(np.abs((places.rate @ tangents[..., None])[..., 0]).max(axis=-1).mean()) * _length(line)
     count = int(np.clip(np.ceil(crossed) * per_zone + 1, _FEWEST_SAMPLES, _MOST_SAMPLES))
     if count > _FEWEST_SAMPLES:
-        s, points = _points(line, count)
+        s, points = line_points(line, count)
         places = lattice.locate(points)
     # The interpolated edge of a coarse mesh misses a true circle by far less than a hundredth of a zone.
     inside = places.distance_mm <= 1e-2 * np.sqrt(grid.zone_area.mean())
@@ -160,7 +160,7 @@ def _sampled(
     )
 
 
-def _points(line: Line, count: int) -> tuple[np.ndarray, np.ndarray]:
+def line_points(line: Line, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Distances (count,) and positions (count, 2) along a line; a circle runs counter-clockwise from the +x
     axis.
     """

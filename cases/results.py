@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import shutil
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cases.bicubic import sample_bicubic_section
+from cases.errors import errors_of
 from cases.files import (
     json_text,
     read_csv,
@@ -26,7 +28,7 @@ from cases.folders import write_folder
 from cases.machine import code, machine, peak_memory_MB, versions
 from cases.probe import Columns, Section, measure_section, nodes_per_wrinkle, path_columns, sample_section
 from cases.scene_text import scene_toml
-from cases.schema import Scene
+from cases.schema import Line, Scene
 from cases.unstructured import AnySolution, FiniteElementMesh, FiniteElementSolution
 from cases.unstructured_files import read_cells, write_cells
 from cases.unstructured_probe import path_columns as cell_path_columns
@@ -66,11 +68,18 @@ def probe(solution: AnySolution, scene: Scene) -> Probes:
     lines = scene.sections.items()
     if isinstance(solution, FiniteElementSolution):
         paths = {name: cell_path_columns(solution, name, line) for name, line in scene.paths.items()}
-        sections = {name: sample_cell_section(solution.grid, solution.r, line) for name, line in lines}
+        sections = {name: _cell_section(solution, line) for name, line in lines}
     else:
         paths = {name: path_columns(solution, name, line) for name, line in scene.paths.items()}
         sections = {name: sample_section(solution.grid, solution.r, line) for name, line in lines}
     return Probes(paths, sections, nodes_per_wrinkle(sections.values(), solution.sheet.thickness_mm))
+
+
+def _cell_section(solution: FiniteElementSolution, line: Line) -> Section:
+    """From the field inside the elements where the result has its derivatives, else between vertices."""
+    if solution.derivatives is not None:
+        return sample_bicubic_section(solution, line)
+    return sample_cell_section(solution.grid, solution.r, line)
 
 
 def result_document(
@@ -109,7 +118,7 @@ def result_document(
         "nodes_per_wrinkle": probes.nodes_per_wrinkle,
         "stability": {part: solution.stability.get(part) for part in ("stable", "how", "lowest")},
         "effects": effects,
-        "errors": solution.errors if isinstance(solution, FiniteElementSolution) else [],
+        "errors": _errors(solution, scene),
         "warnings": solution.warnings,
         "sections": {
             name: asdict(measure_section(section, thickness)) for name, section in probes.sections.items()
@@ -132,6 +141,13 @@ def _mesh_document(grid: Grid | FiniteElementMesh) -> dict[str, Any]:
         kind = "triangles" if grid.cells.shape[1] == 3 else "quadrilaterals"
         return {"cells": kind, "smallest_zone_area_mm2": grid.zone_area.min()}
     return {"ni": grid.ni, "nj": grid.nj, **asdict(quality(grid))}
+
+
+def _errors(solution: AnySolution, scene: Scene) -> Sequence[Mapping[str, Any]]:
+    """The estimated errors of a solution, in the form of result.json."""
+    if isinstance(solution, FiniteElementSolution):
+        return solution.errors
+    return [asdict(error) for error in errors_of(solution, scene)]
 
 
 def write_result(

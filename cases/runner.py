@@ -86,11 +86,11 @@ def run(
 
 
 def _fingerprint(scene: Scene) -> str | None:
-    """What identifies the state that the scene starts from, whatever its folder is called; None if it names none.
+    """What identifies the state that the scene starts from, whatever its folder is called; None if it names no folder.
 
     Raises ResultError if there is no such state.
     """
-    if scene.start.source is None:
+    if scene.start.source is None or scene.start.source.startswith("mode:"):
         return None
     solution = load_result(scene.start.source)
     return hashlib.sha256(solution.grid.u.tobytes() + solution.r.tobytes()).hexdigest()

@@ -67,6 +67,8 @@ class FiniteElementSolution:
     modes : (k, n) float64, heights of the buckling modes at the vertices, largest 1; k = 0 where there are none.
     critical : one mapping per mode, ascending: `factor` of the scene's own load, `parity` and what else is known.
     errors : entries of `errors` in result.json.
+    derivatives : (n, 3, 3) float64, r,x  r,y  r,xy at the vertices of a bicubic field (by angle and radius on an
+        annulus); None for other elements.
     """
 
     method: str
@@ -94,6 +96,7 @@ class FiniteElementSolution:
     modes: np.ndarray
     critical: tuple[Mapping[str, Any], ...] = ()
     errors: tuple[Mapping[str, Any], ...] = ()
+    derivatives: np.ndarray | None = None
     snapshots: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 

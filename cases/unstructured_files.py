@@ -15,12 +15,13 @@ _ZONE_ARRAYS = tuple(ZoneFields.__dataclass_fields__)
 
 @dataclass(frozen=True)
 class Stored:
-    """What fields.npz holds: mesh, r (n, 3) mm, zone fields (m,), modes (k, n)."""
+    """What fields.npz holds: mesh, r (n, 3) mm, zone fields (m,), modes (k, n), derivatives (n, 3, 3) or None."""
 
     grid: FiniteElementMesh
     r: np.ndarray
     zone: ZoneFields
     modes: np.ndarray
+    derivatives: np.ndarray | None
 
 
 def write_cells(path: Path, solution: FiniteElementSolution) -> None:
@@ -28,6 +29,8 @@ def write_cells(path: Path, solution: FiniteElementSolution) -> None:
     grid = solution.grid
     arrays = {"u": grid.u, "r": solution.r, "cells": grid.cells, "modes": solution.modes}
     arrays |= {name: getattr(solution.zone, name) for name in _ZONE_ARRAYS}
+    if solution.derivatives is not None:
+        arrays["derivatives"] = solution.derivatives
     # Any: numpy's stub would read the keyword arrays as its own options.
     np.savez_compressed(path, shape=np.asarray(grid.shape), **arrays)  # type: ignore[arg-type]
 
@@ -46,6 +49,8 @@ def read_cells(path: Path) -> Stored:
             raise ValueError(f"{path}: {name} has the shape {arrays[name].shape}, not {shape}")
     if arrays["modes"].ndim != 2 or arrays["modes"].shape[1] != grid.nodes:
         raise ValueError(f"{path}: modes have the shape {arrays['modes'].shape}, not (k, {grid.nodes})")
-    return Stored(
-        grid, arrays["r"], ZoneFields(**{name: arrays[name] for name in _ZONE_ARRAYS}), arrays["modes"]
-    )
+    derivatives = arrays.get("derivatives")
+    if derivatives is not None and derivatives.shape != (grid.nodes, 3, 3):
+        raise ValueError(f"{path}: derivatives have the shape {derivatives.shape}, not ({grid.nodes}, 3, 3)")
+    zone = ZoneFields(**{name: arrays[name] for name in _ZONE_ARRAYS})
+    return Stored(grid, arrays["r"], zone, arrays["modes"], derivatives)

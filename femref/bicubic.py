@@ -118,7 +118,7 @@ def from_function(mesh: Mesh, function: Callable[[np.ndarray, np.ndarray], np.nd
     """
     x, y = np.meshgrid(mesh.x, mesh.y, indexing="ij")
     values = np.moveaxis(np.asarray(function(x, y), dtype=float), 0, 2)
-    return np.ascontiguousarray(values * _scales(mesh)[..., None])
+    return np.ascontiguousarray(values * derivative_scales(mesh)[..., None])
 
 
 def flat(mesh: Mesh) -> np.ndarray:
@@ -183,7 +183,7 @@ def _located(
     return element, functions[:, order]
 
 
-def _scales(mesh: Mesh) -> np.ndarray:
-    """(ni, nj, 4): what turns a derivative into a nodal value."""
+def derivative_scales(mesh: Mesh) -> np.ndarray:
+    """(ni, nj, 4): what turns f, f,y, f,x, f,xy into nodal values."""
     x, y = mesh.lengths[0][:, None], mesh.lengths[1][None, :]
     return np.stack(np.broadcast_arrays(np.ones_like(x * y), y, x, x * y), axis=-1)

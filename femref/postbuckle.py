@@ -21,8 +21,9 @@ from femref.inertia import factorise
 from femref.loads import follow
 from femref.newton import Equilibrium, NewtonSettings, Outcome, free_hessian, free_part, minimise
 
-# Coarser meshes are used as long as they have at least this many elements and lines.
-_FEWEST_ELEMENTS, _FEWEST_LINES = 500, 16
+# Three meshes tell the order of convergence; on fewer lines than these the corners of a sheet buckle by themselves.
+MOST_LEVELS, _FEWEST_LINES = 3, 14
+COARSENING = 2.0 / 3.0
 # Heights of the starting mode, parts of the thickness: this factor apart, until the energy rises.
 _HEIGHT_STEP, _MOST_HEIGHTS = 1.5, 30
 # In-plane equilibrium while heights are compared: far finer than their differences in energy.
@@ -79,15 +80,15 @@ class Flat:
 class Postbuckled:
     """A wrinkled (or flat, where that is stable) equilibrium.
 
-    problem : on the finest mesh reached. state : its equilibrium. flat : of that mesh; None out of the plane.
-    reached : part of the load. levels : per mesh: unknowns, iterations, seconds, energy_N_mm, residual.
+    problem : on this mesh. state : its equilibrium. flat : of the same mesh; None for a load out of the plane.
+    reached : part of the load. seconds : wall time of this mesh alone.
     """
 
     problem: SheetProblem
     state: Equilibrium
     flat: Flat | None
     reached: float
-    levels: list[dict[str, float]]
+    seconds: float = 0.0
 
     @property
     def converged(self) -> bool:
@@ -95,36 +96,33 @@ class Postbuckled:
         return self.reached >= 1.0 and self.state.outcome is Outcome.CONVERGED
 
 
-def solve(problem: SheetProblem, settings: NewtonSettings, levels: int | None = None) -> Postbuckled:
-    """Solve on a sequence of meshes that ends with the problem's own.
+def solve(problem: SheetProblem, settings: NewtonSettings, levels: int | None = None) -> list[Postbuckled]:
+    """Solve on a sequence of meshes that ends with the problem's own; coarse to fine, the last may not have converged.
 
-    levels : number of meshes, each with half the lines of the next; None takes as many as keep 500 elements.
+    levels : number of meshes, each with two thirds of the lines of the next; None takes up to three.
+
+    Raises NotCertified if a factorisation cannot count eigenvalues.
     """
-    done: list[dict[str, float]] = []
-    found: Postbuckled | None = None
+    done: list[Postbuckled] = []
     for mesh in coarser_meshes(problem.mesh, levels):
         started = time.perf_counter()
-        current = replace(problem, mesh=mesh)
-        found = _planar(current, settings, found) if problem.planar else _lifted(current, settings, found)
-        done.append(_level(found, time.perf_counter() - started))
+        current, before = replace(problem, mesh=mesh), done[-1] if done else None
+        found = _planar(current, settings, before) if problem.planar else _lifted(current, settings, before)
+        done.append(replace(found, seconds=time.perf_counter() - started))
         if not found.converged:
             break
-    assert found is not None, "there is at least the problem's own mesh"
-    return replace(found, levels=done)
+    return done
 
 
 def coarser_meshes(mesh: Mesh, levels: int | None) -> list[Mesh]:
-    """Meshes of the same grading, coarse to fine, each with half the elements per direction of the next."""
+    """Meshes of the same grading, coarse to fine, each with two thirds of the elements per direction of the next."""
     meshes = [mesh]
-    while levels is None or len(meshes) < levels:
-        x, y = meshes[0].breaks
-        counts = [(len(axis) - 1) // 2 for axis in (x, y)]
-        if levels is None and (counts[0] * counts[1] < _FEWEST_ELEMENTS or min(counts) < _FEWEST_LINES):
+    for _ in range(MOST_LEVELS - 1 if levels is None else levels - 1):
+        counts = [round((len(axis) - 1) * COARSENING) for axis in meshes[0].breaks]
+        if min(counts) < (_FEWEST_LINES if levels is None else 1):
             break
-        if min(counts) < 1:
-            break
-        coarse = [_resampled(axis, count) for axis, count in zip((x, y), counts, strict=True)]
-        meshes.insert(0, Mesh(coarse[0][:-1] if mesh.polar else coarse[0], coarse[1], mesh.polar))
+        x, y = (_resampled(axis, count) for axis, count in zip(meshes[0].breaks, counts, strict=True))
+        meshes.insert(0, Mesh(x[:-1] if mesh.polar else x, y, mesh.polar))
     return meshes
 
 
@@ -169,22 +167,22 @@ def _planar(problem: SheetProblem, settings: NewtonSettings, coarse: Postbuckled
     """On one mesh: from the coarser mesh's wrinkles, or from the lowest mode of the flat state."""
     found, reached, flat = flat_state(problem, settings)
     if flat is None or flat.negative == 0:
-        return Postbuckled(problem, found, flat, reached, [])
+        return Postbuckled(problem, found, flat, reached)
     energy, held = problem.energy(), problem.held()
     wrinkled = coarse is not None and bool(coarse.state.q[..., 2].any())
     start = (
         _carried(coarse, problem, flat.q, held) if wrinkled and coarse else _mode_start(energy, flat, held)
     )
-    return Postbuckled(problem, minimise(energy, start, ~held, settings), flat, 1.0, [])
+    return Postbuckled(problem, minimise(energy, start, ~held, settings), flat, 1.0)
 
 
 def _lifted(problem: SheetProblem, settings: NewtonSettings, coarse: Postbuckled | None) -> Postbuckled:
     energy, held = problem.energy(), problem.held()
     if coarse is None:
         state, reached = follow(energy, problem.supports, held, ~held, settings, first_step=0.25)
-        return Postbuckled(problem, state, None, reached, [])
+        return Postbuckled(problem, state, None, reached)
     start = _carried(coarse, problem, given_values(problem.mesh, problem.supports, 1.0), held)
-    return Postbuckled(problem, minimise(energy, start, ~held, settings), None, 1.0, [])
+    return Postbuckled(problem, minimise(energy, start, ~held, settings), None, 1.0)
 
 
 def _carried(coarse: Postbuckled, problem: SheetProblem, given: np.ndarray, held: np.ndarray) -> np.ndarray:
@@ -218,15 +216,3 @@ def _out_of_plane(held: np.ndarray) -> np.ndarray:
 
 def _resampled(axis: np.ndarray, elements: int) -> np.ndarray:
     return np.interp(np.linspace(0.0, len(axis) - 1.0, elements + 1), np.arange(len(axis)), axis)
-
-
-def _level(found: Postbuckled, seconds: float) -> dict[str, float]:
-    problem = found.problem
-    return {
-        "nodes": problem.mesh.shape[0] * problem.mesh.shape[1],
-        "unknowns": int((~problem.held()).sum()),
-        "iterations": found.state.iterations,
-        "residual": found.state.residual,
-        "energy_N_mm": float(problem.energy().energy(found.state.q).sum()),
-        "seconds": seconds,
-    }
