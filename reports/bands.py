@@ -6,26 +6,33 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from cases.mesh_sequence import mesh_limit
 from reports.loads import planned_nodes
 from reports.stored import Stored
 from reports.style import number
 
-ORDER = 2.0  # of the scheme in the mesh spacing
+FEWEST = 3  # meshes that a limit needs
 
 
 @dataclass(frozen=True)
 class Banded:
-    """finest : value on the finest mesh.  limit : extrapolated.  band : half width about the limit; NaN unknown."""
+    """A quantity with what its mesh sequence says; NaN where that is unknown.
+
+    finest : value on the finest mesh. value : the limit, or `finest` where there is none. band : half width about
+        `value`. error : of the finest mesh's value. order : observed; NaN without a limit.
+    """
 
     finest: float
-    limit: float
-    band: float
+    value: float = math.nan
+    band: float = math.nan
+    error: float = math.nan
+    order: float = math.nan
 
     def text(self, digits: int = 3) -> str:
-        """Limit and band, or the finest value alone where there is no sequence."""
-        if math.isnan(self.limit):
+        """Value and band, or the finest value alone where there is no sequence."""
+        if math.isnan(self.band):
             return number(self.finest, digits)
-        return f"{number(self.limit, digits)} ± {number(self.band, 2)}"
+        return f"{number(self.value, digits)} ± {number(self.band, 2)}"
 
 
 def banded(
@@ -33,17 +40,24 @@ def banded(
     quantity: Callable[[Stored], float],
     alike: Callable[[Stored], bool] | None = None,
 ) -> Banded:
-    """Extrapolate a quantity over the converged runs of one load.
+    """Limit and band of a quantity over the converged runs of one load.
 
-    alike : says of what kind a state is (wrinkled, or flat); only meshes that agree are extrapolated.
+    alike : says of what kind a state is (wrinkled, or flat); only meshes that agree make a sequence.
     """
     runs = sorted((s for s in stored if s.converged), key=planned_nodes)
     if not runs:
-        return Banded(math.nan, math.nan, math.nan)
+        return Banded(math.nan)
     values, nodes = [quantity(s) for s in runs], [planned_nodes(s) for s in runs]
-    differ = alike is not None and len({alike(s) for s in runs[-2:]}) > 1
-    if len(runs) < 2 or nodes[-1] == nodes[-2] or differ or not math.isfinite(values[-1] + values[-2]):
-        return Banded(values[-1], math.nan, math.nan)
-    ratio = (nodes[-1] / nodes[-2]) ** (ORDER / 2.0)
-    limit = values[-1] + (values[-1] - values[-2]) / (ratio - 1.0)
-    return Banded(values[-1], limit, abs(limit - values[-1]))
+    if alike is not None:
+        while runs and alike(runs[0]) != alike(runs[-1]):
+            runs, values, nodes = runs[1:], values[1:], nodes[1:]
+        if len({alike(s) for s in runs}) > 1:
+            return Banded(values[-1])
+    if len(runs) < FEWEST or not all(math.isfinite(v) for v in values):
+        return Banded(values[-1], values[-1])
+    try:
+        limit = mesh_limit(nodes, values)
+    except ValueError:  # meshes too close to each other
+        return Banded(values[-1], values[-1])
+    order = math.nan if limit.order is None else limit.order
+    return Banded(limit.finest, limit.value, limit.band, limit.error_of_finest, order)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reports.estimates import ShearEstimate
+from cases.estimates import ShearEstimate
 from reports.loads import MIDDLE
 from reports.maps import unavailable
 from reports.plans import draw_relief, inner_plans

@@ -89,8 +89,8 @@ def measures(fig: FigureBase, pulls: np.ndarray, curves: Mapping[str, Sequence[B
 def band(
     ax: Axes, x: np.ndarray, values: Sequence[Banded], shade: str, marker: str, label: str | None = None
 ) -> None:
-    """The extrapolated limit as a line within its band, the finest mesh as marks."""
-    limit = np.array([v.finest if np.isnan(v.limit) else v.limit for v in values])
+    """The limit as a line within its band (the finest value where there is no limit), the finest mesh as marks."""
+    limit = np.array([v.finest if np.isnan(v.value) else v.value for v in values])
     half = np.nan_to_num([v.band for v in values])
     fine = np.array([v.finest for v in values])
     if not np.isfinite(fine).any():

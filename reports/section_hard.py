@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.patches import Rectangle
 
 from cases.hard import AS_EXPECTED, REFUSED, UNNAMED, VERDICTS, WRONG
 from reports.content import Block, Drawing, Section, Table, Text
@@ -61,6 +60,8 @@ def _map(rows: Sequence[Case]) -> Drawing:
     lines = [(family, start) for family in families for start in range(0, _size(rows, family), MAP_COLUMNS)]
 
     def draw(fig: FigureBase) -> None:
+        from matplotlib.patches import Rectangle
+
         ax = fig.add_subplot()
         for y, (family, start) in enumerate(lines):
             mine = [row for row in rows if row["family"] == family][start : start + MAP_COLUMNS]

@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
+from cases.estimates import ShearEstimate, shear_estimate
+from fdsolver.material import Sheet
 from reports import figures_shear as figures
 from reports.content import Block, Drawing, Section, Text
-from reports.estimates import ShearEstimate, shear_estimate
 from reports.figures_shear import Load
-from reports.loads import by_shear, finest, flat_partners
+from reports.loads import WRINKLED, by_shear, finest, flat_partners
 from reports.plans import relief_factor
 from reports.shear_tables import energy_table, run_rows, wrinkle_size_table
 from reports.stored import Stored
 from reports.tables import remarks
 
-HEIGHT_MM, THICKNESS_MM, POISSON = 128.0, 0.025, 0.31
+HEIGHT_MM, SHEET = 128.0, Sheet(3500.0, 0.31, 0.025)
 SMALL_MM = 0.1  # displacements below this are those of the caption
 
 
@@ -43,7 +44,7 @@ def build(results: Mapping[str, Stored]) -> Section:
 
 def estimate_of(move_mm: float) -> ShearEstimate:
     """The estimate for the sheet of Fig. 6."""
-    return shear_estimate(move_mm, HEIGHT_MM, THICKNESS_MM, POISSON)
+    return shear_estimate(SHEET, HEIGHT_MM, move_mm / HEIGHT_MM)
 
 
 def _drawing(
@@ -75,11 +76,19 @@ def small_words(small: Mapping[Load, Stored | None]) -> Text:
     for (move, rise), stored in sorted(small.items()):
         load = f"{move:g} mm with " + (f"a pre-stretch of {rise:g} mm" if rise else "no pre-stretch")
         if stored is None or not stored.converged:
-            words.append(f"{load}: no converged result.")
+            status = "not run" if stored is None else stored.status.replace("_", " ")
+            words.append(f"{load}: no converged result ({status}).")
             continue
         height = stored.value("out_of_plane_mm", "max_abs")
-        flat = height < 1e-3 * THICKNESS_MM
-        words.append(f"{load}: " + ("stays flat." if flat else f"wrinkles, up to {height:.2g} mm high."))
+        flat = height < WRINKLED * SHEET.thickness_mm
+        words.append(
+            f"{load}: "
+            + (
+                f"stays flat (no point rises by more than {height:.1g} mm)."
+                if flat
+                else f"wrinkles, up to {height:.2g} mm high."
+            )
+        )
     return Text("The paper's text says 0.5 mm, the caption of its figure 0.05 mm. At", tuple(words))
 
 

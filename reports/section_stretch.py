@@ -10,7 +10,7 @@ from reports.content import Block, Drawing, Section, Text
 from reports.loads import by_pull, finest, flat_partners
 from reports.plan_sheets import SHOWN_PULLS
 from reports.plans import relief_factor
-from reports.seed_words import seed_table, seed_words
+from reports.seed_words import seed_states, seed_table, seed_words
 from reports.stored import Stored
 from reports.strip_curves import curves, pull_table
 from reports.strip_words import trend
@@ -54,7 +54,7 @@ def _progress(stored: Stored) -> Drawing:
         "Kinetic energy falling in many peaks over ten orders of magnitude, and six shapes of the strip from random "
         "noise to parallel wrinkles.",
         partial(figures_progress.progress, stored=stored),
-        5.0,
+        4.25,
         vector=False,
     )
 
@@ -73,7 +73,7 @@ def _against_pull(sweep: Sequence[Stored], flat: Sequence[Stored]) -> list[Block
             "Four plan views of the strip with longitudinal wrinkles that are strongest at 10 % and gone at 30 %, and "
             "the four height profiles.",
             partial(figures_stretch.shapes, runs=shown, relief=relief),
-            3.3,
+            3.1,
             vector=False,
         ),
         trend(found),
@@ -92,6 +92,7 @@ def _against_pull(sweep: Sequence[Stored], flat: Sequence[Stored]) -> list[Block
 
 
 def _seeds(seeds: Sequence[Stored]) -> list[Block]:
+    states = seed_states(seeds)
     return [
         Drawing(
             "fig5",
@@ -104,8 +105,8 @@ def _seeds(seeds: Sequence[Stored]) -> list[Block]:
             5.3,
             vector=False,
         ),
-        seed_words(seeds),
-        seed_table(seeds),
+        seed_words(states),
+        seed_table(seeds, states),
     ]
 
 

@@ -2,91 +2,121 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
-
+from cases.results import ResultError, load_result
+from cases.schema import Line
+from fdsolver.result import Solution
 from reports.content import Table, Text
-from reports.loads import measure
-from reports.phases import phase_of
+from reports.loads import MIDDLE
 from reports.stored import Stored
 from reports.style import number, whole
 
-CLOSE_TO_PURE_DEG = 10.0  # a phase so near to a multiple of 90 degrees counts as symmetric or antisymmetric
-CONTINUOUS = 3  # so many mixed states are not an accident of two families
+if TYPE_CHECKING:
+    import pandas as pd
+
+CONTINUOUS_DEG = 60.0  # two families leave gaps of 90 degrees between their phases, an orbit fills them
+SAME = 0.999  # correlation of profiles that differ by their phase alone
+CAPTION = (
+    "Random starts at a pull of 10 %, on one mesh. Symmetry is the correlation with the mirror image; the phase is 0 "
+    "for a crest or trough in the middle, 90 degrees for an antisymmetric state. Same but for phase: correlation with "
+    "the first seed's profile over all shifts of the phase, 1 for the same wrinkles moved under the same envelope. "
+    "Energies and rms heights do not depend on the phase; the largest height does, as a crest may stand anywhere under "
+    "the envelope."
+)
+COLUMNS = {
+    "energy above the lowest (N\u00a0mm)": ("energy_N_mm", 2),
+    "bending (N\u00a0mm)": ("bending_N_mm", 4),
+    "rms z (mm)": ("rms_mm", 4),
+    "largest |z| (mm)": ("amplitude_mm", 3),
+    "wavelength (mm)": ("mean_wavelength_mm", 4),
+    "half waves": ("half_waves", 0),
+    "symmetry (–)": ("symmetry", 3),
+    "phase (degrees)": ("phase_deg", 3),
+    "same but for phase (–)": ("correlation", 5),
+    "envelope differs (–)": ("envelope_difference", 2),
+}
 
 
-def seed_table(seeds: Sequence[Stored]) -> Table:
-    """Energy, size, wavelength and symmetry of every start."""
-    lowest = min((s.value("energy_N_mm", "total") for s in seeds if s.converged), default=float("nan"))
+def seed_states(seeds: Sequence[Stored]) -> pd.DataFrame:
+    """The table of `families` for the seeds with a readable result, indexed by the run's name; empty without any."""
+    import pandas as pd
+
+    from cases.families import families
+
+    there, states = [], []
+    for run in seeds:
+        line = section_line(run)
+        if not run.drawable or line is None:
+            continue
+        try:
+            state = load_result(run.folder)
+        except ResultError:
+            continue
+        if isinstance(state, Solution):
+            states.append(state)
+            there.append((run.run.name, line))
+    if not there:
+        return pd.DataFrame()
+    table = families(states, there[0][1])
+    table.index = pd.Index([name for name, _ in there])
+    return table
+
+
+def section_line(run: Stored) -> Line | None:
+    """The line across the middle, from the run's own scene; None without one."""
+    sections = run.scene.get("sections")
+    line = sections.get(MIDDLE) if isinstance(sections, dict) else None
+    return None if line is None else Line(**line)
+
+
+def seed_table(seeds: Sequence[Stored], states: pd.DataFrame) -> Table:
+    """Energy, size, wavelength, symmetry and phase of every start; en dashes for those without a result."""
+    lowest = states["energy_N_mm"].min() if len(states) else math.nan
     rows = []
     for run in seeds:
-        phase = phase_of(run)
-        rows.append(
-            (
-                str(run.run.seed),
-                run.status.replace("_", " "),
-                number(run.value("energy_N_mm", "total") - lowest, 2),
-                number(run.value("energy_N_mm", "bending"), 4),
-                number(measure(run, "rms_mm"), 4),
-                number(measure(run, "amplitude_mm"), 4),
-                number(measure(run, "wavelength_mm"), 4),
-                whole(measure(run, "half_waves")),
-                number(measure(run, "symmetry"), 3),
-                number(phase.angle_deg, 3) if phase is not None else "–",
-                number(run.value("residual"), 2),
-                whole(run.value("steps")),
-                number(run.value("cpu_seconds"), 2),
-            )
+        found = states.loc[run.run.name].to_dict() if run.run.name in states.index else {}
+        cells = []
+        for key, digits in COLUMNS.values():
+            value = float(found.get(key, math.nan)) - (lowest if key == "energy_N_mm" else 0.0)
+            cells.append(whole(value) if digits == 0 else number(value, digits))
+        status = run.status.replace("_", " ")
+        ending = (
+            number(run.value("residual"), 2),
+            whole(run.value("steps")),
+            number(run.value("cpu_seconds"), 2),
         )
-    columns = (
-        "seed",
-        "status",
-        "energy above the lowest (N\u00a0mm)",
-        "bending (N\u00a0mm)",
-        "rms z (mm)",
-        "largest |z| (mm)",
-        "wave\u00adlength (mm)",
-        "half waves",
-        "symmetry (–)",
-        "phase (degrees)",
-        "residual (–)",
-        "steps",
-        "CPU (s)",
-    )
-    caption = (
-        "Random starts at a pull of 10 %, on one mesh. Symmetry is the correlation with the mirror image. rms height "
-        "and energies do not depend on the phase; the largest height does, as a crest may or may not stand where the "
-        "envelope is highest."
-    )
-    return Table(caption, columns, tuple(rows))
+        rows.append((str(run.run.seed), status, *cells, *ending))
+    return Table(CAPTION, ("seed", "status", *COLUMNS, "residual (–)", "steps", "CPU (s)"), tuple(rows))
 
 
-def seed_words(seeds: Sequence[Stored]) -> Text:
-    """Two families or one continuous orbit: the sentence, with its numbers."""
-    good = [s for s in seeds if s.converged and phase_of(s) is not None]
-    if len(good) < 2:
+def seed_words(states: pd.DataFrame) -> Text:
+    """Two families or one continuous orbit: the sentences, with their numbers."""
+    from cases.families import orbit
+
+    good = states[states["status"] == "converged"] if len(states) else states
+    try:
+        found = orbit(good)
+    except (KeyError, ValueError):
         return Text(
             "Fewer than two random starts converged to wrinkles, so nothing can be said about families."
         )
-    energy = np.array([s.value("energy_N_mm", "total") for s in good])
-    size = np.array([measure(s, "rms_mm") for s in good])
-    angles = np.array([phase.angle_deg for s in good if (phase := phase_of(s)) is not None])
-    off = np.abs((angles + 45.0) % 90.0 - 45.0)
-    mixed = int((off > CLOSE_TO_PURE_DEG).sum())
-    spread = number(float(np.ptp(energy) / np.abs(energy).mean()), 2)
-    gained = np.array([s.value("energy_N_mm", "bending") for s in good]).mean()
-    verdict = (
-        f"{mixed} of {len(good)} starts end more than {CLOSE_TO_PURE_DEG:g} degrees away from both the symmetric and "
-        "the antisymmetric state"
+    mean = float(good["energy_N_mm"].mean())
+    share = found.energy * abs(mean) / float(good["bending_N_mm"].mean())
+    evidence = (
+        f"The energies of the {len(good)} converged starts agree to {number(found.energy, 2)} (relative), which is "
+        f"{number(share, 2)} of the bending energy; their rms heights to {number(found.rms, 2)}, their mean "
+        f"wavelengths to {number(found.wavelength, 2)}. Shifted in phase, each profile has a correlation of at least "
+        f"{found.correlation:.5f} with the first. Their phases leave no gap of more than {found.largest_gap_deg:.0f} "
+        "degrees out of 180; two families alone would leave 90."
     )
+    one = found.largest_gap_deg < CONTINUOUS_DEG and found.correlation > SAME
     conclusion = (
-        "So there are not two families but one continuous orbit of equally good states, of which the symmetric and "
-        "the antisymmetric one are two points; this is what Healey et al. (2013) found, and what the paper suspects."
-        if mixed >= CONTINUOUS
-        else "So these starts alone do not tell two families from one continuous orbit."
+        "So there are not two families but one continuous orbit of equally good states, of which the symmetric and the "
+        "antisymmetric one are two points; this is what Healey et al. (2013) found, and what the paper suspects."
+        if one
+        else "These starts alone do not tell two families from one continuous orbit."
     )
-    return Text(
-        f"{verdict}, while all energies agree to {spread} (relative), {number(float(np.ptp(energy) / gained), 2)} of "
-        f"the bending energy, and the rms heights to {number(float(np.ptp(size) / size.mean()), 2)}. {conclusion}"
-    )
+    return Text(f"{evidence} {conclusion}")

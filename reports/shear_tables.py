@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from cases.estimates import ShearEstimate
 from reports import shear_measures as measures
 from reports.bands import banded
 from reports.content import Table
-from reports.estimates import ShearEstimate
 from reports.loads import energy_gained, partner_key, planned_nodes, top_move
 from reports.shear_measures import direction_deg
 from reports.stored import Stored
@@ -43,8 +43,8 @@ def banded_text(
         return "–"
     among = spread(same_mesh(meshes, seeds), quantity)
     if digits == 0:
-        return f"{whole(value.finest)} ± {number(value.band, 2)} ± {number(among, 2)}"
-    return f"{number(value.finest, digits)} ± {number(value.band, 2)} ± {number(among, 2)}"
+        return f"{whole(value.finest)} ± {number(value.error, 2)} ± {number(among, 2)}"
+    return f"{number(value.finest, digits)} ± {number(value.error, 2)} ± {number(among, 2)}"
 
 
 def load_words(load: Load) -> tuple[str, str]:
@@ -79,9 +79,10 @@ def wrinkle_size_table(meshes: Groups, seeds: Groups, estimates: Mapping[float, 
     names = list(quantities)
     columns = ("shear (mm)", "pre-stretch (mm)", names[0], "estimated", names[1], "estimated", *names[2:])
     caption = (
-        "Wrinkles of the sheared sheet: value on the finest mesh ± distance to the limit of the mesh sequence ± half "
-        "of the range over three random starts; an en dash where that is not known. The middle is the inner half of "
-        "section A; the fans are the parts nearer to an upright edge than the sheet is high."
+        "Wrinkles of the sheared sheet: value on the finest mesh ± its error by the mesh sequence (the range of the "
+        "meshes where they approach no limit) ± half of the range over three random starts; an en dash where that is "
+        "not known. The middle is the inner half of section A; the fans are the parts nearer to an upright edge than "
+        "the sheet is high."
     )
     return Table(caption, columns, tuple(rows))
 

@@ -14,8 +14,6 @@ from reports.loads import energy_gained, finest, measure, partner_key, wrinkled
 from reports.stored import Stored
 from reports.style import number, whole
 
-NONE = Banded(math.nan, math.nan, math.nan)
-
 
 @dataclass(frozen=True)
 class PullCurves:
@@ -83,8 +81,9 @@ def pull_table(found: PullCurves) -> Table:
         "CPU (s)",
     )
     caption = (
-        "Wrinkles across the middle against the pull: limit of the mesh sequence ± its band; half-waves on the finest "
-        "mesh. The lowest eigenvalue is that of the finest state's tangent: positive where the state, flat or "
-        "wrinkled, is stable."
+        "Wrinkles across the middle against the pull: limit of the mesh sequence ± its band (the finest mesh's value ± "
+        "the range of the meshes where they approach no limit; the finest value alone where the meshes disagree on "
+        "whether the strip wrinkles); half-waves on the finest mesh. The lowest eigenvalue is that of the finest "
+        "state's tangent: positive where the state, flat or wrinkled, is stable."
     )
     return Table(caption, columns, tuple(rows))

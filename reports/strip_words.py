@@ -6,10 +6,10 @@ import numpy as np
 
 from reports.content import Text
 from reports.loads import wrinkled
+from reports.plan_sheets import SHOWN_PULLS
 from reports.strip_curves import PullCurves
 from reports.style import number, whole
 
-SHOWN = (5.0, 10.0, 20.0, 30.0)
 ZHENG = (
     "Zheng's computed wrinkles, as the paper reports them, grow up to a pull of about 10 % and have nearly vanished "
     "at 30 %."
@@ -23,26 +23,29 @@ def trend(found: PullCurves) -> Text:
 
 
 def _largest(found: PullCurves) -> list[str]:
-    sizes = np.array([v.finest for v in found.curves["rms"]])
-    if not np.isfinite(sizes).any():
+    parts = []
+    for name, what in (("amplitude", "largest height"), ("rms", "rms height")):
+        sizes = np.array([v.finest for v in found.curves[name]])
+        if np.isfinite(sizes).any():
+            top = int(np.nanargmax(sizes))
+            parts.append(
+                f"the {what} is greatest at {found.pulls[top]:g} % ({found.curves[name][top].text()} mm)"
+            )
+    if not parts:
         return ["No pull has a converged run, so nothing can be said here."]
-    top = int(np.nanargmax(sizes))
-    value = found.curves["rms"][top]
-    return [
-        f"Here the rms height across the middle is largest at {found.pulls[top]:g} %, with {value.text()} mm, among "
-        f"the pulls that were run."
-    ]
+    return [f"Here, across the middle and among the pulls that were run, {' and '.join(parts)}."]
 
 
 def _at_shown(found: PullCurves) -> list[str]:
     parts = []
-    for pull in SHOWN:
+    for pull in SHOWN_PULLS:
         k = np.flatnonzero(np.isclose(found.pulls, pull))
-        if k.size and np.isfinite(found.curves["rms"][k[0]].finest):
+        if k.size and np.isfinite(found.curves["amplitude"][k[0]].finest):
             last = found.finest(float(found.pulls[k[0]]))
             flat = last is not None and not wrinkled(last)
-            parts.append(f"{'flat' if flat else found.curves['rms'][k[0]].text() + ' mm'} at {pull:g} %")
-    return [f"It is {', '.join(parts)}."] if parts else []
+            size = "nothing" if flat else f"{found.curves['amplitude'][k[0]].text()} mm"
+            parts.append(f"{size} at {pull:g} %")
+    return [f"The largest height is {', '.join(parts)}."] if parts else []
 
 
 def _brackets(found: PullCurves) -> list[str]:

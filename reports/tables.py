@@ -82,9 +82,10 @@ def remarks(stored: Iterable[Stored], heading: str = "Remarks of the solvers:") 
     """
     items: dict[str, list[str]] = {}
     for run in stored:
-        name = f"{_label(run)}, {whole(run.value('nodes'))} nodes" if "nodes" in run.result else _label(run)
+        name = f"{run.run.name if run.run.part else _label(run)}"
+        name += f", {whole(run.value('nodes'))} nodes" if "nodes" in run.result else ""
         for remark in (*shortfalls(run), *(f"Warning: {warning}" for warning in warnings_of(run))):
-            items.setdefault(remark, []).append(f"{run.run.scene}: {name}")
+            items.setdefault(remark, []).append(name if run.run.part else f"{run.run.scene}: {name}")
     texts = tuple(f"{'; '.join(names)}. {text}" for text, names in items.items())
     return Text(heading, texts) if texts else None
 

@@ -5,6 +5,7 @@ The shapes are plausible, not solutions: what is tested is that the report shows
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -22,6 +23,11 @@ from reports.run import ReportRun
 from tensionfield.annulus import AnnulusProblem, AnnulusSolution, solve_annulus
 
 WRINKLED_METHODS = ("koiter",)
+WAVE_NUMBER = 0.4  # 1/mm, of the pulled strip's wrinkles
+GOLDEN = 2.399963  # radians: phases of successive seeds fill the circle
+MESH_ERROR = 40.0  # of second order: over the number of nodes
+SHEAR_HALF_WAVE, SHEAR_AMPLITUDE = 16.0, 0.25  # mm, across the wrinkles
+FLAT_COSTS = 1e-3  # N mm, gained by wrinkling
 
 
 def write_synthetic(
@@ -40,7 +46,7 @@ def write_synthetic(
     scene = load_scene(run.scene, overrides)
     grid = make_grid(scene, nodes)
     sheet = Sheet(scene.material.young_MPa, scene.material.poisson, scene.sheet.thickness_mm)
-    r = positions(grid, scene, run.method)
+    r = positions(grid, scene, "membrane" if run.part == "flat" else run.method, run.seed)
     solution = Solution(
         method=run.method,
         status=status,
@@ -54,7 +60,11 @@ def write_synthetic(
         seconds=1.5,
         cpu_seconds=1.6,
         seconds_compile=0.5,
-        energy_N_mm={"total": 41.0, "membrane": 40.5, "bending": 0.5},
+        energy_N_mm={
+            "total": 41.0 + (FLAT_COSTS if run.part == "flat" else 0.0),
+            "membrane": 40.5,
+            "bending": 0.5,
+        },
         reactions=made_up_reactions(scene, grid),
         zone=zone_fields(grid, sheet, r, relaxed=run.method in ("tension-field", "exact")),
         history=made_up_history(),
@@ -65,7 +75,22 @@ def write_synthetic(
         threads=1,
         seed=0,
     )
+    snapshots = made_up_snapshots(r) if scene.solver.snapshots else {}
+    solution = replace(solution, snapshots=snapshots, seed=run.seed)
     write_result(folder, solution, scene, probe(solution, scene), {}, "no-hash")
+
+
+def made_up_snapshots(r: np.ndarray) -> dict[str, np.ndarray]:
+    """Six shapes on the way to r, on both nested meshes of the history."""
+    growth = np.array([1e-6, 1e-4, 1e-2, 0.3, 0.8, 1.0])
+    shapes = np.repeat(r[None], 6, axis=0)
+    shapes[..., 2] *= growth[:, None, None]
+    return {
+        "step": np.array([0, 100, 400, 20, 300, 580]),
+        "level": np.array([0, 0, 0, 1, 1, 1]),
+        "kinetic_N_mm": np.array([0.0, 1e-2, 1e-4, 1e-3, 1e-5, 1e-8]),
+        "r": shapes,
+    }
 
 
 def make_grid(scene: Scene, nodes: int) -> Grid:
@@ -104,10 +129,9 @@ def made_up_history() -> dict[str, np.ndarray]:
     }
 
 
-def positions(grid: Grid, scene: Scene, method: str) -> np.ndarray:
+def positions(grid: Grid, scene: Scene, method: str, seed: int = 0) -> np.ndarray:
     """(ni, nj, 3) mm: a smooth shape, with wrinkles for the plate."""
     flat = np.concatenate([grid.u, np.zeros((grid.ni, grid.nj, 1))], axis=-1)
-    wrinkled = method in WRINKLED_METHODS
     if scene.sheet.shape == "annulus":
         return _ring(flat, scene, method)
     x, y = flat[..., 0], flat[..., 1]
@@ -117,9 +141,28 @@ def positions(grid: Grid, scene: Scene, method: str) -> np.ndarray:
     r = flat + (1.0 - part[..., None]) * np.array(bottom) + part[..., None] * np.array(top)
     pull = (top[1] - bottom[1]) / (2.0 * half)
     r[..., 0] -= 0.5 * pull * x * (1.0 - (y / half) ** 4)
-    if wrinkled:
-        r[..., 2] += 0.3 * np.cos(0.8 * x) * np.exp(-((2.0 * y / half) ** 2))
+    if method in WRINKLED_METHODS:
+        r[..., 2] += (
+            _sheared(x, y, top) if scene.name == "shear" else _pulled(x, y / half, pull, seed, grid.nodes)
+        )
     return r
+
+
+def _pulled(x: np.ndarray, y: np.ndarray, pull: float, seed: int, nodes: int) -> np.ndarray:
+    """Wrinkles along the pull from 2 % to 23 %, highest half-way, with a phase from the seed and a mesh's error."""
+    amplitude = 0.3 * max(0.0, 1.0 - ((pull - 0.125) / 0.105) ** 2) * (1.0 + MESH_ERROR / nodes)
+    return amplitude * np.cos(WAVE_NUMBER * x + GOLDEN * seed) * np.exp(-((2.0 * y) ** 2) - (x / 25.0) ** 2)
+
+
+def _sheared(x: np.ndarray, y: np.ndarray, top: tuple[float, float, float]) -> np.ndarray:
+    """Wrinkles at 45 degrees, twice as high near the upright edges; none under the smallest load with a pre-stretch."""
+    if top[0] < 0.1 < top[0] + 2.0 * top[1]:
+        return np.zeros_like(x)
+    return (
+        SHEAR_AMPLITUDE
+        * (1.0 + (np.abs(x) > 126.0))
+        * np.sin(np.pi * (x - y) / (SHEAR_HALF_WAVE * np.sqrt(2.0)))
+    )
 
 
 def _ring(flat: np.ndarray, scene: Scene, method: str) -> np.ndarray:
