@@ -6,7 +6,6 @@ residual was small enough tells what further iterations would change.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 
 from fdsolver.fields import reactions, zone_fields
 from fdsolver.level import Level
-from fdsolver.relax import State
+from fdsolver.relax import State, residual
 from fdsolver.result import Solution
 
 EARLY = 30.0  # times the tolerance: late enough for the slow modes to rule, early enough to have moved since
@@ -26,30 +25,29 @@ class Trail:
     """Scaled positions (components, ni, nj), as the engine has them.
 
     coarse : equilibria of the finished meshes, coarsest first. early : the first state of the present mesh with a
-    residual below `EARLY` times the tolerance; None before. early_residual : its residual.
+    residual below `EARLY` times the tolerance; None before.
     """
 
     coarse: list[np.ndarray] = field(default_factory=list)
     early: np.ndarray | None = None
-    early_residual: float = math.inf
 
     def look(self, state: State, tolerance: float) -> None:
         """Keep the state if it is the early one; forget an old one after a jump away from equilibrium."""
         if state.residual > EARLY * tolerance:
-            self.early, self.early_residual = None, math.inf
+            self.early = None
         elif self.early is None:
-            self.early, self.early_residual = state.r.copy(), state.residual
+            self.early = state.r.copy()
 
     def finish_mesh(self, state: State) -> None:
         """The present mesh is at equilibrium, a finer one follows."""
         self.coarse.append(state.r.copy())
-        self.early, self.early_residual = None, math.inf
+        self.early = None
 
     def as_arrays(self) -> dict[str, Any]:
         """The trail as named arrays, for a checkpoint."""
         arrays: dict[str, Any] = {f"trail_{k}": r for k, r in enumerate(self.coarse)}
         if self.early is not None:
-            arrays |= {"trail_early": self.early, "trail_early_residual": self.early_residual}
+            arrays["trail_early"] = self.early
         return arrays
 
     @classmethod
@@ -57,8 +55,7 @@ class Trail:
         """The trail that `as_arrays` gave."""
         coarse = [np.array(saved[f"trail_{k}"]) for k in range(len(saved)) if f"trail_{k}" in saved]
         early = saved.get("trail_early")
-        residual = float(saved.get("trail_early_residual", math.inf))
-        return cls(coarse, None if early is None else np.array(early), residual)
+        return cls(coarse, None if early is None else np.array(early))
 
 
 def with_trail(solution: Solution, trail: Trail, levels: Sequence[Level]) -> Solution:
@@ -66,18 +63,13 @@ def with_trail(solution: Solution, trail: Trail, levels: Sequence[Level]) -> Sol
 
     levels : of the meshes, coarsest first; as many as the run has been on.
     """
-    coarser = tuple(
-        _as_state(solution, level, r, summary["residual"])
-        for level, r, summary in zip(levels, trail.coarse, solution.levels, strict=False)
-    )
-    earlier = (
-        None if trail.early is None else _as_state(solution, levels[-1], trail.early, trail.early_residual)
-    )
+    coarser = tuple(_as_state(solution, level, r) for level, r in zip(levels, trail.coarse, strict=False))
+    earlier = None if trail.early is None else _as_state(solution, levels[-1], trail.early)
     return replace(solution, coarser=coarser, earlier=earlier)
 
 
-def _as_state(solution: Solution, level: Level, r: np.ndarray, residual: float) -> Solution:
-    """The solution's form for another state of its problem: positions, energies, reactions and zone fields."""
+def _as_state(solution: Solution, level: Level, r: np.ndarray) -> Solution:
+    """The solution's form for another state of its problem: positions, residual, energies, reactions, zone fields."""
     f = np.zeros_like(r)
     membrane, bending, control = (level.force(r, f) * level.energy_unit).tolist()
     positions, problem = level.unscaled(r), level.problem
@@ -88,7 +80,7 @@ def _as_state(solution: Solution, level: Level, r: np.ndarray, residual: float) 
         grid=level.grid,
         sheet=problem.sheet,
         r=positions,
-        residual=residual,
+        residual=residual(f, level.weight),
         energy_N_mm={"total": membrane + bending + control, **parts},
         reactions=reactions(level.grid, problem.edges, positions, force),
         zone=zone_fields(level.grid, problem.sheet, positions, relaxed=level.model.relaxed),
