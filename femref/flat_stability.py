@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
@@ -27,6 +28,7 @@ from femref.prestress import Movement, PlaneProblem, PlaneState, finite_state
 from femref.sheet_mesh import PlateMaterial, SheetMesh
 
 _MOST_SECANTS = 30
+_Value = TypeVar("_Value")
 
 
 @dataclass(frozen=True)
@@ -56,13 +58,13 @@ class FlatSheet:
         self.space = PlateSpace(sheet, material, supports)
         self.problem = PlaneProblem(sheet, material, movements, self.space.points)
         self._states: dict[float, PlaneState] = {}
+        self._factors: dict[float, float] = {}
 
     def state(self, load: float) -> PlaneState:
         """The plane equilibrium at a load, from the nearest one known. Raises NoPrestress."""
         if load not in self._states:
-            nearest = min(self._states, key=lambda known: abs(known - load), default=None)
-            start = None if nearest is None else self._states[nearest].unknowns
-            self._states[load] = finite_state(self.problem, load, start)
+            near = _nearest(self._states, load)
+            self._states[load] = finite_state(self.problem, load, None if near is None else near.unknowns)
         return self._states[load]
 
     def matrices(self, load: float) -> tuple[csc_array, csc_array]:
@@ -74,23 +76,33 @@ class FlatSheet:
 
     def verdict(self, load: float) -> Verdict:
         """Stability of the flat state at a load. Raises NoPrestress, NotCertified."""
-        bending, geometric = self.matrices(load)
-        try:
-            found = smallest_factors(
-                bending, geometric, 1, 3.0 * guess_of(self.space, self.state(load).stress)
-            )
-        except NoBuckling:
-            return Verdict(load, math.inf, 0, 0.0)
-        factor = float(found.factor[0])
-        unstable = factors_below(bending, geometric, 1.0) if factor < 1.0 else 0
+        factor = self.factor(load)
+        unstable = factors_below(*self.matrices(load), 1.0) if factor < 1.0 else 0
         return Verdict(load, factor, unstable, self.space.material.thickness_mm / math.sqrt(factor))
 
-    def crossing(self, low: float, high: float, tolerance: float = 1e-7) -> float:
+    def factor(self, load: float) -> float:
+        """`Verdict.factor` alone."""
+        if load not in self._factors:
+            near = _nearest(self._factors, load)
+            try:
+                rough = guess_of(self.space, self.state(load).stress)
+                guess = 3.0 * rough if near is None or math.isinf(near) else 1.2 * near
+                self._factors[load] = float(smallest_factors(*self.matrices(load), 1, guess).factor[0])
+            except NoBuckling:
+                self._factors[load] = math.inf
+        return self._factors[load]
+
+    def crossing(self, low: float, high: float, tolerance: float = 1e-6) -> float:
         """The load between two at which the flat state changes its stability.
 
         Raises ValueError if it is stable, or unstable, at both.
         """
-        return _root(lambda load: math.log(self.verdict(load).factor), low, high, tolerance)
+        return _root(lambda load: math.log(self.factor(load)), low, high, tolerance)
+
+
+def _nearest(known: Mapping[float, _Value], load: float) -> _Value | None:
+    """The value at the nearest load, None if there is none."""
+    return known[min(known, key=lambda other: abs(other - load))] if known else None
 
 
 def covariant_bending(space: PlateSpace, problem: PlaneProblem, state: PlaneState) -> csc_array:
