@@ -170,7 +170,7 @@ def solve(
         run.finish_level(level)
         if last:
             break
-        run.trail.finish_mesh(run.state)
+        run.trail.finish_mesh(level, run.state)
         run.level += 1
         grid = grids[run.level]
         coarse, level = level, _level(problem, model, grid, settings)
@@ -222,7 +222,7 @@ def _watcher(
     def watch(state: State) -> None:
         nonlocal saved
         clock.charge(run)
-        run.trail.look(state, settings.tolerance)
+        run.trail.look(level, state, settings.tolerance)
         recorder.look(run.level, before, level, state)
         if progress is not None:
             rate = state.step / state.seconds if state.seconds > 0.0 else 0.0

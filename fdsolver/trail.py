@@ -22,7 +22,7 @@ EARLY = 30.0  # times the tolerance: late enough for the slow modes to rule, ear
 
 @dataclass
 class Trail:
-    """Scaled positions (components, ni, nj), as the engine has them.
+    """Positions (ni, nj, 3) in mm, of the whole sheet.
 
     coarse : equilibria of the finished meshes, coarsest first. early : the first state of the present mesh with a
     residual below `EARLY` times the tolerance; None before.
@@ -31,16 +31,16 @@ class Trail:
     coarse: list[np.ndarray] = field(default_factory=list)
     early: np.ndarray | None = None
 
-    def look(self, state: State, tolerance: float) -> None:
+    def look(self, level: Level, state: State, tolerance: float) -> None:
         """Keep the state if it is the early one; forget an old one after a jump away from equilibrium."""
         if state.residual > EARLY * tolerance:
             self.early = None
         elif self.early is None:
-            self.early = state.r.copy()
+            self.early = level.unscaled(state.r)
 
-    def finish_mesh(self, state: State) -> None:
+    def finish_mesh(self, level: Level, state: State) -> None:
         """The present mesh is at equilibrium, a finer one follows."""
-        self.coarse.append(state.r.copy())
+        self.coarse.append(level.unscaled(state.r))
         self.early = None
 
     def as_arrays(self) -> dict[str, Any]:
@@ -61,18 +61,19 @@ class Trail:
 def with_trail(solution: Solution, trail: Trail, levels: Sequence[Level]) -> Solution:
     """The solution with the states on its way.
 
-    levels : of the meshes, coarsest first; as many as the run has been on.
+    levels : of the meshes, coarsest first, each of the whole sheet; as many as the run has been on.
     """
     coarser = tuple(_as_state(solution, level, r) for level, r in zip(levels, trail.coarse, strict=False))
     earlier = None if trail.early is None else _as_state(solution, levels[-1], trail.early)
     return replace(solution, coarser=coarser, earlier=earlier)
 
 
-def _as_state(solution: Solution, level: Level, r: np.ndarray) -> Solution:
+def _as_state(solution: Solution, level: Level, positions: np.ndarray) -> Solution:
     """The solution's form for another state of its problem: positions, residual, energies, reactions, zone fields."""
+    r = level.scaled(positions)
     f = np.zeros_like(r)
     membrane, bending, control = (level.force(r, f) * level.energy_unit).tolist()
-    positions, problem = level.unscaled(r), level.problem
+    problem = level.problem
     force = level.unscaled(f) * (level.force_unit / level.grid.length_mm)
     parts = {"membrane": membrane, "bending": bending, "hourglass": control}
     return replace(
