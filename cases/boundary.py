@@ -28,7 +28,8 @@ def grid_of(scene: Scene) -> Callable[[int], Grid]:
             return meshes.rectangle_with_hole(
                 sheet.width_mm, sheet.height_mm, sheet.hole_radius_mm, nodes, **options
             )
-        return meshes.rectangle(sheet.width_mm, sheet.height_mm, nodes, **options)
+        ratio = scene.mesh.cell_ratio or 1.0
+        return meshes.rectangle(sheet.width_mm, sheet.height_mm, nodes, cell_ratio=ratio, **options)
 
     return grid
 

@@ -6,7 +6,18 @@ import math
 
 from cases.lines import off_the_sheet
 from cases.problems import did_you_mean, one_of, shown
-from cases.schema import SHAPES, AnnulusSheet, AnySheet, Edge, HoleSheet, Line, RectangleSheet, Sheet, Start
+from cases.schema import (
+    SHAPES,
+    AnnulusSheet,
+    AnySheet,
+    Edge,
+    HoleSheet,
+    Line,
+    Mesh,
+    RectangleSheet,
+    Sheet,
+    Start,
+)
 from cases.validate import Reading
 
 # Beyond this ratio a mesh of about square cells with a few nodes across has too many nodes along.
@@ -27,8 +38,15 @@ def check(reading: Reading) -> None:
         for kind in ("sections", "paths"):
             if sound:
                 _check_lines(kind, reading.tables[kind] or {}, sheet, reading)
+    _check_mesh(reading.tables["mesh"], reading)
     _check_symmetry(reading)
     _check_start(reading.tables["start"], reading)
+
+
+def _check_mesh(mesh: Mesh | None, reading: Reading) -> None:
+    """The cells of the other shapes are about square by their maps."""
+    if mesh is not None and mesh.cell_ratio is not None and reading.shape not in (None, RectangleSheet):
+        reading.wrong(("mesh", "cell_ratio"), shown(mesh.cell_ratio), 'is for the shape "rectangle" only')
 
 
 def _check_sheet(sheet: AnySheet, reading: Reading) -> bool:

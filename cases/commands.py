@@ -183,18 +183,15 @@ def _tolerance(text: str | None, problems: list[Problem]) -> float | None:
 
 
 def _methods(words: Sequence[str], problems: list[Problem]) -> tuple[str, ...]:
-    """Names of methods that exist or will; what a later version brings is refused with a sentence."""
+    """Names of methods that exist."""
     if not words:
         return ()
-    from cases.methods import LATER, METHODS
+    from cases.methods import METHODS
 
     now = ("auto", *METHODS)
     for word in words:
-        if word in LATER:
-            message = f"is not part of this version yet; there are {one_of(now)}"
-            problems.append(Problem("", "--method", word, message))
-        elif word not in now:
-            message = f"must be {one_of(now)}{did_you_mean(word, (*now, *LATER))}"
+        if word not in now:
+            message = f"must be {one_of(now)}{did_you_mean(word, now)}"
             problems.append(Problem("", "--method", shown(word), message))
     return tuple(dict.fromkeys(words))
 

@@ -67,6 +67,12 @@ def _koiter(task: Task) -> Solution:
     return _relaxed_by(KOITER, task)
 
 
+def _published(task: Task) -> Solution:
+    from cases.published import published_of
+
+    return _relaxed_by(published_of(task.scene), task)
+
+
 def _exact(task: Task) -> Solution:
     from cases.exact import solve_exact
 
@@ -101,6 +107,7 @@ METHODS = {
         Method("tension-field", "tension field (relaxed membrane)", False, False, 1e-8, _tension_field),
         Method("membrane", "unrelaxed membrane", False, False, 1e-8, _membrane),
         Method("koiter", "Koiter plate", True, True, 1e-6, _koiter),
+        Method("koiter-published", "Koiter plate, published scheme", True, True, 1e-8, _published),
         Method("buckling", "buckling factors (finite elements)", True, False, 1e-8, _buckling, True),
         Method(
             "postbuckling",
@@ -114,23 +121,17 @@ METHODS = {
         Method("exact", "closed form", False, False, 1e-10, _exact),
     )
 }
-LATER = ("koiter-published",)
-NAMES = ("auto", *METHODS, *LATER)
+NAMES = ("auto", *METHODS)
 
 
 def choose(scene: Scene, name: str) -> tuple[Method, str]:
     """The method of this name for a scene, and why (empty unless `auto` chose).
 
-    Raises MethodError for a name that is unknown or belongs to a later version, and for a scene that the
-    method cannot solve.
+    Raises MethodError for a name that is unknown and for a scene that the method cannot solve.
     """
     why = ""
     if name == "auto":
         name, why = _automatic(scene)
-    if name in LATER:
-        raise MethodError(
-            f"The method {name} comes with a later version; now there are {', '.join(METHODS)}."
-        )
     if name not in METHODS:
         raise MethodError(f"There is no method {name!r}; there are auto, {', '.join(METHODS)}.")
     _refuse_options(scene, METHODS[name])
@@ -159,7 +160,7 @@ def _too_many_wrinkles(scene: Scene) -> bool:
 
 
 def why_unfit(scene: Scene, name: str) -> str | None:
-    """Why the scene has no closed form, buckling load or mesh of bicubic elements; None for a method that fits."""
+    """Why the scene has no closed form, load, mesh of bicubic elements or ghost layer; None for a method that fits."""
     if name == "exact":
         from cases.exact import has_exact
 
@@ -172,6 +173,10 @@ def why_unfit(scene: Scene, name: str) -> str | None:
         from cases import postbuckling_scene
 
         return postbuckling_scene.unfit(scene)
+    if name == "koiter-published":
+        from cases.published import unfit as unfit_for_published
+
+        return unfit_for_published(scene)
     return None
 
 

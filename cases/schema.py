@@ -203,7 +203,8 @@ class Mesh(Table):
     """Number of nodes, and how strongly they gather (at a rectangle's centre lines, at an inner circle).
 
     An absent bias is the shape's own: 0 for a rectangle, 1 for the others. `vertices` takes the place of `nodes` for
-    the finite-element methods; absent, they choose.
+    the finite-element methods; absent, they choose. `cell_ratio` is the height of a rectangle's cells over their
+    width, 1 if absent.
     """
 
     nodes: int = Field(
@@ -213,6 +214,7 @@ class Mesh(Table):
         description=f"a whole number from {SMALLEST_NODES} to {LARGEST_NODES}",
     )
     bias: Bias = None
+    cell_ratio: float | None = Field(default=None, ge=0.1, le=10.0, description="a number from 0.1 to 10")
     vertices: int | None = Field(
         default=None,
         ge=SMALLEST_NODES,

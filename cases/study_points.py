@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from cases.methods import LATER, METHODS, MethodError, choose, methods_of, with_numbers
+from cases.methods import METHODS, MethodError, choose, methods_of, with_numbers
 from cases.overrides import WHERE as CHANGED
 from cases.problems import Problem, SceneError, did_you_mean, one_of, shown
 from cases.scene import load_scene
@@ -79,9 +79,7 @@ def unknown_methods(names: Sequence[str], where: str) -> list[Problem]:
     """One problem per name that is no method of this version."""
     now = ("auto", *METHODS)
     return [
-        Problem(
-            where, "study.methods", shown(name), f"must be {one_of(now)}{did_you_mean(name, (*now, *LATER))}"
-        )
+        Problem(where, "study.methods", shown(name), f"must be {one_of(now)}{did_you_mean(name, now)}")
         for name in names
         if name not in now
     ]

@@ -133,8 +133,11 @@ def advance(
     r, v, f, old, mass, inverse_mass : as in `step`; old is scratch. rising : whether the last step
     added kinetic energy. threads : bands of rows side by side. Returns the number of restarts, the viscosity, the steps
     since the last restart, `rising`, and the Rayleigh quotient omega^2 of the motion at the last step (0 at rest).
+
+    A force with a method follow(r, v) has it called after each step: it moves nodes that obey no force (ghosts, [74]).
     """
     name, constant = rule
+    follow = getattr(force, "follow", None)
     kinetic = name.startswith("kinetic")
     viscosity = 0.0 if kinetic else constant if name == "viscous" else viscosity
     nodes = r.shape[1] * r.shape[2]
@@ -165,4 +168,6 @@ def advance(
             r -= v + 0.5 * arrival
             v[:] = 0.0
             restarts, since_restart = restarts + 1, 0
+        if follow is not None:
+            follow(r, v)
     return restarts, viscosity, since_restart, rising, quotient

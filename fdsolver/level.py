@@ -12,6 +12,7 @@ from fdsolver.effects import Force, build_force
 from fdsolver.grid import Grid
 from fdsolver.model import Model
 from fdsolver.problem import Problem
+from fdsolver.result import Status
 from fdsolver.start import carried_start, fixed_nodes, perturb, smooth_start
 from fdsolver.transfer import prolong
 
@@ -24,6 +25,7 @@ class Level:
     fixed : (ni, nj) bool, supported nodes.
     weight : (ni, nj) float64, L / L_n at free nodes and 0 at fixed ones (`relax.residual`).
     project : what keeps forces to the problem's symmetry, or None.
+    examined : the force whose tangent tells whether an equilibrium is stable.
     """
 
     def __init__(self, problem: Problem, model: Model, grid: Grid, threads: int) -> None:
@@ -33,6 +35,7 @@ class Level:
         self.fixed = fixed_nodes(grid, problem.edges)
         supports = {name: condition.support for name, condition in problem.edges.items()}
         self.force: Force = build_force(grid, problem.sheet, model, supports, threads)
+        self.examined: Force = self.force
         self.project: Projection | None = None
         if is_axisymmetric(problem, model):
             self.project = functools.partial(mean_round, grid)
@@ -76,6 +79,15 @@ class Level:
     def _perturbed(self, r: np.ndarray) -> np.ndarray:
         amplitude = self.problem.perturbation if self.model.buckles else 0.0
         return perturb(r, self.grid, self.fixed, amplitude, self.problem.seed)
+
+    def verdict(self, status: Status, r: np.ndarray) -> tuple[Status, str]:
+        """Status and sentence of a run that was judged `status` at the engine's state r."""
+        return status, status.sentence
+
+
+def make_level(problem: Problem, model: Model, grid: Grid, threads: int) -> Level:
+    """The level that a model has on a mesh."""
+    return (model.level or Level)(problem, model, grid, threads)
 
 
 def in_space(field: np.ndarray) -> np.ndarray:

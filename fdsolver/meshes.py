@@ -17,6 +17,7 @@ from fdsolver.grid import Grid, GridError
 from fdsolver.node_counts import PositionMap, cell_ratio, checked_node_count, interval_counts
 
 LARGEST_BIAS = 5.0
+LARGEST_CELL_RATIO = 10.0
 # ni is a multiple of 4 times the denominator of the side fractions. With 4 * 8 rows there is always an nj
 # from 12 up within 0.5 / 12 = 4 % of 400 nodes or more; larger denominators could not promise that.
 LARGEST_DENOMINATOR = 8
@@ -29,6 +30,7 @@ def rectangle(
     bias: float = 0.0,
     bias_x: float | None = None,
     bias_y: float | None = None,
+    cell_ratio: float = 1.0,
 ) -> Grid:
     """Mesh of the rectangle |x| <= width/2, |y| <= height/2; i runs along +x, j along +y.
 
@@ -36,14 +38,18 @@ def rectangle(
     bias : 0 (uniform) to 5. x = (width/2) sinh(bias s) / sinh(bias), s in [-1, 1], and y alike: the spacing
         at the edge is cosh(bias) times that at the centre line. bias_x and bias_y override it for one
         direction.
+    cell_ratio : height over width of the cells, 0.1 to 10 (without bias; about, as counts are whole numbers).
 
-    Raises GridError for sizes, nodes or biases out of range.
+    Raises GridError for sizes, nodes, biases or cell_ratio out of range.
     """
     width, height = _positive("width_mm", width_mm), _positive("height_mm", height_mm)
     count = checked_node_count(nodes)
     across = _bias("bias_x", bias if bias_x is None else bias_x)
     along = _bias("bias_y", bias if bias_y is None else bias_y)
-    rows, columns = interval_counts(count, width / height, closed=False, row_step=2, column_step=2)
+    if not 1.0 / LARGEST_CELL_RATIO <= cell_ratio <= LARGEST_CELL_RATIO:
+        raise GridError(f"cell_ratio must lie between 0.1 and {LARGEST_CELL_RATIO:g}, not {cell_ratio}")
+    ratio = width / height * cell_ratio
+    rows, columns = interval_counts(count, ratio, closed=False, row_step=2, column_step=2)
     x = 0.5 * width * _centred(rows, across)
     y = 0.5 * height * _centred(columns, along)
     u = np.ascontiguousarray(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fdsolver.membrane import StVenantKirchhoff
 
@@ -21,6 +21,7 @@ class Model:
     strain_gradient : whether the normal of the curvature n . r,ab turns with the sheet; otherwise it stays e3, and no
         couple of the moments acts on the strain. moderate : moderate rotations (Foeppl and von Karman), which go with
         the normal e3.
+    level : what makes the `level.Level` of a mesh, where that is not the plain one.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Model:
     out_of_plane: bool = True
     strain_gradient: bool = True
     moderate: bool = False
+    level: Callable[..., Any] | None = None
 
     @property
     def components(self) -> int:

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from fdsolver.grid import Grid
-from fdsolver.level import Level
+from fdsolver.level import Level, make_level
 from fdsolver.model import Model
 from fdsolver.problem import Problem
 from fdsolver.relax import Progress, Settings, State, begin
@@ -189,7 +189,7 @@ def _level(problem: Problem, model: Model, grid: Grid, settings: Settings) -> Le
     if settings.thicken and model.bending:
         thickness = problem.sheet.thickness_mm * problem.grid.nodes / grid.nodes
         problem = replace(problem, sheet=replace(problem.sheet, thickness_mm=thickness))
-    return Level(problem, model, grid, settings.threads)
+    return make_level(problem, model, grid, settings.threads)
 
 
 class _Clock:

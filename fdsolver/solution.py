@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fdsolver.fields import hourglass_share, reactions, zone_fields
-from fdsolver.level import Level, in_space
+from fdsolver.level import Level
 from fdsolver.model import Model
 from fdsolver.relax import Settings
 from fdsolver.result import Solution, Status
@@ -38,11 +38,12 @@ def assemble(
     fields = zone_fields(grid, sheet, r, relaxed=model.relaxed)
     hourglass = hourglass_share(grid, r)
     status, folds = judge(status, grid, sheet.thickness_mm, r, fields, hourglass, model.relaxed)
+    status, message = level.verdict(status, run.state.r)
     history = np.asarray(run.history, dtype=float).reshape(-1, len(HISTORY)).T.copy()
     return Solution(
         method=model.name,
         status=status,
-        message=status.sentence,
+        message=message,
         grid=grid,
         sheet=sheet,
         r=r,
@@ -58,7 +59,7 @@ def assemble(
             "bending": bending,
             "hourglass": control,
         },
-        reactions=reactions(grid, problem.edges, r, in_space(f) * level.force_unit),
+        reactions=reactions(grid, problem.edges, r, level.unscaled(f) * (level.force_unit / grid.length_mm)),
         zone=fields,
         history=dict(zip(HISTORY, history, strict=True)),
         hourglass=hourglass,

@@ -165,7 +165,7 @@ def relax_to_stable(
             return status, {"stable": None, "how": "not examined: the state is not converged", "lowest": None}
         started = time.perf_counter()
         try:
-            verdict = examine(level.force, state, level.problem.seed, PLANAR * height)
+            verdict = examine(level.examined, state, level.problem.seed, PLANAR * height)
         except KeyboardInterrupt:
             return Status.INTERRUPTED, {"stable": None, "how": "not examined: interrupted", "lowest": None}
         state.evaluations += verdict.evaluations

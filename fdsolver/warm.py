@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from fdsolver.grid import Grid
-from fdsolver.level import Level
+from fdsolver.level import make_level
 from fdsolver.model import Model
 from fdsolver.problem import Problem
 from fdsolver.relax import Settings, begin, relax
@@ -25,7 +25,7 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     edges = {"left": np.stack([np.zeros(6, dtype=np.int64), np.arange(6)], axis=1)}
     grid = Grid("rectangle", np.stack([x, y], axis=-1), False, edges, x[:, 0].copy(), y[0].copy(), 1.0)
     tiny = replace(problem, grid=grid, edges={})
-    level = Level(tiny, model, grid, threads)
+    level = make_level(tiny, model, grid, threads)
     state = begin(level.scaled(1.01 * level.flat))
     relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20, threads=threads))
     if not model.relaxed and model.out_of_plane:

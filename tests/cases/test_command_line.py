@@ -71,12 +71,6 @@ def test_commands_of_later_versions_say_so(here, capsys, command):
     )
 
 
-@pytest.mark.parametrize("method", ["koiter-published"])
-def test_methods_of_later_versions_say_so(here, capsys, method):
-    assert main(["run", "annulus", "--method", method]) == 2
-    assert f"--method = {method}: is not part of this version yet" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
