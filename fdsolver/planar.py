@@ -9,15 +9,12 @@ eigenvalues against nodal masses do not: those of long waves sink with the fourt
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from fdsolver.effects import Force
+from fdsolver.tangent import tangent
 
-REACH = 2  # a node's force depends on nodes at most two mesh lines away
 STEP = 1e-9  # displacement, L: the force is odd in it, so differences neither round nor bend at this size
 TENSION = 1.5  # of the largest compressive strain, added all round: more than none is left
 LEAST_TENSION = 1e-9  # strain that keeps B definite on a sheet that is neither bent nor stressed
@@ -39,9 +36,8 @@ def lowest_out_of_plane(
     flat = r.copy()
     flat[2] = 0.0
     loose = np.flatnonzero(free)
-    matrix, evaluations = out_of_plane_tangent(force, flat)
-    metric, more = out_of_plane_tangent(force, _all_tense(force, flat))
-    matrix, metric = matrix[loose][:, loose], metric[loose][:, loose]
+    tangents = [tangent(force, state, (2,), STEP) for state in (flat, _all_tense(force, flat))]
+    matrix, metric = (part.matrix()[loose][:, loose] for part in tangents)
     start = np.random.default_rng(seed).standard_normal(loose.size)
     try:
         inverse = LinearOperator(metric.shape, matvec=splu(metric, permc_spec="MMD_AT_PLUS_A").solve)
@@ -51,46 +47,7 @@ def lowest_out_of_plane(
     mode = np.zeros(free.size)
     mode[loose] = vectors[:, 0]
     mode /= mode[np.argmax(np.abs(mode))]
-    return float(values[0]), mode.reshape(free.shape), evaluations + more
-
-
-def out_of_plane_tangent(force: Force, flat: np.ndarray) -> tuple[csc_matrix, int]:
-    """-df_z/dz at a planar state, sparse over all nodes (rows of the mesh one after another), and evaluations spent.
-
-    flat : (3, ni, nj) float64 with z = 0. Nodes so far apart that no force depends on two of them move together.
-    """
-    ni, nj = flat.shape[1:]
-    place, f = flat.copy(), np.empty_like(flat)
-    number = np.arange(ni * nj).reshape(ni, nj)
-    rows, columns, values = [], [], []
-    for owner_i in _owners(ni, force.closed):
-        for owner_j in _owners(nj, False):
-            touched = np.ix_(owner_i >= 0, owner_j >= 0)
-            owner = number[owner_i][:, owner_j][touched]
-            place[2] = 0.0
-            place[2].ravel()[np.unique(owner)] = STEP
-            force(place, f)
-            rows.append(number[touched].ravel())
-            columns.append(owner.ravel())
-            values.append(f[2][touched].ravel() / -STEP)
-    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    matrix = coo_matrix(entries, (ni * nj, ni * nj)).tocsc()
-    return (0.5 * (matrix + matrix.T)).tocsc(), len(values)
-
-
-def _owners(count: int, closed: bool) -> Iterator[np.ndarray]:
-    """For each group of lines that may move together: (count,) the line of the group within reach of a line, or -1."""
-    period = 2 * REACH + 1
-    whole = count - count % period if closed else count
-    groups = [np.arange(first, whole, period) for first in range(min(period, whole))]
-    groups += [np.array([line]) for line in range(whole, count)]  # what is left over of a closed direction
-    for group in groups:
-        owner = np.full(count, -1)
-        for shift in range(-REACH, REACH + 1):
-            near = (group + shift) % count if closed else group + shift
-            inside = (near >= 0) & (near < count)
-            owner[near[inside]] = group[inside]
-        yield owner
+    return float(values[0]), mode.reshape(free.shape), sum(part.evaluations for part in tangents)
 
 
 def _all_tense(force: Force, flat: np.ndarray) -> np.ndarray:
