@@ -20,8 +20,8 @@ import numpy as np
 from fdsolver import damping
 from fdsolver.effects import Force
 from fdsolver.mass import invert, nodal_masses
+from fdsolver.residual import residual
 from fdsolver.result import Status
-from fdsolver.rows import compiled
 
 BLOCK = 10  # steps between two looks at residual and energy
 MASS_EVERY = 10  # blocks between two updates of the masses
@@ -50,6 +50,8 @@ class Settings:
         length goes with the square root of the thickness, keep their number of nodes. For sheets that fold sharply.
     max_steps, max_seconds : limits of the whole run. threads : bands of rows side by side.
     snapshots : shapes to keep of the way to the equilibrium (see `snapshots`).
+    finish : "auto" or "on": a smoothed state is taken to its equilibrium in the metric of its exact tangent where that
+        works (see `finish`); "auto" only where it is faster. "off": relaxation goes on to the end.
     """
 
     tolerance: float = 1e-6
@@ -61,6 +63,7 @@ class Settings:
     max_seconds: float = 1800.0
     threads: int = 1
     snapshots: int = 0
+    finish: str = "auto"
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,7 @@ class State:
     best_step: int = 0
     stalls: int = 0
     kicks: int = 0
+    finish_at: int = 200  # step at which relaxation pauses for an attempt to finish
     residual: float = np.inf
     seconds: float = 0.0
     history: list[tuple[float, ...]] = field(default_factory=list)  # step, energy, kinetic, residual, restart
@@ -127,18 +131,6 @@ def begin(r: np.ndarray) -> State:
     return State(r=r.copy(), v=np.zeros_like(r), mass=mass, inverse_mass=mass.copy(), safe=r.copy())
 
 
-@compiled
-def _largest_force(f, weight):
-    """Largest |f| * weight over all components, and the sum of squares, which a NaN cannot hide from."""
-    largest = squares = 0.0
-    for k in range(weight.size):
-        for axis in range(f.size // weight.size):
-            value = abs(f[axis * weight.size + k]) * weight[k]
-            largest = max(largest, value)
-            squares += value * value
-    return largest, squares
-
-
 def kick(state: State, displacement: np.ndarray) -> None:
     """Displace `state` by (3, ni, nj), scaled, and let it start again from rest."""
     # In one call: an interrupt must not come between.
@@ -152,16 +144,8 @@ def kick(state: State, displacement: np.ndarray) -> None:
         best_step=state.step,
         stalls=0,
         kicks=state.kicks + 1,
+        finish_at=max(state.finish_at, state.step + State.finish_at),
     )
-
-
-def residual(f: np.ndarray, weight: np.ndarray) -> float:
-    """Largest |dE/dr| over free nodes and components / (Y h L_n); NaN if any force is not finite.
-
-    f : (3, ni, nj) float64, scaled. weight : (ni, nj) float64, L / L_n at free nodes, 0 at fixed ones.
-    """
-    largest, squares = _largest_force(f.reshape(-1), weight.reshape(-1))
-    return float(largest) if np.isfinite(squares) else float("nan")
 
 
 def relax(

@@ -18,9 +18,10 @@ from scipy.linalg import eigh_tridiagonal
 
 from fdsolver.damping import twice_kinetic_in_space
 from fdsolver.effects import Force
+from fdsolver.finish import relax_or_finish
 from fdsolver.level import Level
 from fdsolver.planar import lowest_out_of_plane
-from fdsolver.relax import Settings, State, kick, relax
+from fdsolver.relax import Settings, State, kick
 from fdsolver.result import Status
 from fdsolver.rows import compiled
 
@@ -158,7 +159,7 @@ def relax_to_stable(
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
-        status = relax(level.force, ~level.fixed, level.weight, state, settings, on_block, level.project)
+        status = relax_or_finish(level, state, settings, on_block)
         if level.model.relaxed:
             return status, {"stable": True, "how": CONVEX, "lowest": None}
         if status is not Status.CONVERGED:
