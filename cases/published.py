@@ -8,6 +8,8 @@ from fdsolver.model import Model
 
 def unfit(scene: Scene) -> str | None:
     """Why the published scheme cannot solve a scene; None if it can."""
+    if scene.symmetry.reduce != "none":
+        return "its ghost layer does not continue across a symmetry line; solve the whole sheet"
     if isinstance(scene.sheet, RectangleSheet):
         return None
     return "it is for rectangles, as the paper gives its ghost layer for straight edges along mesh lines only"

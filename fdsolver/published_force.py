@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -19,27 +19,17 @@ WALL = 1e6  # energy / (Y h L^2) of a state whose ghost rows are folded: no rela
 
 
 @dataclass(frozen=True)
-class PublishedForce:
+class PublishedForce(Force):
     """Force of the published scheme on one mesh with its ghost layer, in the engine's scaled units.
 
-    Arrays of nodes are (..., ni + 2, nj + 2), those of zones (..., ni + 1, nj + 1).
-    law, relaxed, components, rows, columns, closed, zone, node, twist, bound : what `mass.nodal_masses` reads: the
-        stiffness of the conservative scheme, whose curvatures bound those of this one; exterior zones have no area.
+    Arrays of nodes are (..., ni + 2, nj + 2), those of zones (..., ni + 1, nj + 1). What `Force` has is there for
+    `mass.nodal_masses`: the stiffness of the conservative plate, whose curvatures bound those of this scheme; exterior
+    zones have no area.
     bending : (h / L)^2 / 12. geometry : zone constants, exterior ones included. areas : (2, ...), 1 / A [53] and area
         of the sheet at the node. hourglass : stiffness of the zones, 0 unless stabilised.
     row_edges, column_edges : normals and moments of the edges at the last evaluation (`published.band`).
     """
 
-    law: tuple
-    relaxed: bool
-    components: int
-    rows: int
-    columns: int
-    closed: bool
-    zone: np.ndarray
-    node: np.ndarray
-    twist: np.ndarray
-    bound: None
     bending: float
     geometry: np.ndarray
     areas: np.ndarray
@@ -48,8 +38,6 @@ class PublishedForce:
     ghosts: GhostLayer
     row_edges: np.ndarray
     column_edges: np.ndarray
-    scratch: np.ndarray
-    row_energy: np.ndarray
 
     def __call__(self, r: np.ndarray, f: np.ndarray) -> np.ndarray:
         """Write Sigma / 2 [55, 77] into f, 0 at ghosts; return the (membrane, bending, hourglass) energy.
@@ -129,17 +117,18 @@ def build_published(
     areas[1, 1:-1, 1:-1] = grid.node_area / grid.length_mm**2
     twist = np.pad(plain.twist, ((0, 0), (1, 1), (1, 1)))
     twist[0] += 0.25 * stiffness
+    inherited = {field.name: getattr(plain, field.name) for field in fields(Force)}
+    inherited |= {
+        "rows": grid.ni + 2,
+        "columns": grid.nj + 2,
+        "zone": zone,
+        "node": np.pad(plain.node, ((0, 0), (1, 1), (1, 1))),
+        "twist": twist,
+        "scratch": np.zeros((plain.scratch.shape[0], published.SLOTS * PITCH)),
+        "row_energy": np.zeros((3, grid.ni + 2)),
+    }
     return PublishedForce(
-        law=plain.law,
-        relaxed=False,
-        components=3,
-        rows=grid.ni + 2,
-        columns=grid.nj + 2,
-        closed=False,
-        zone=zone,
-        node=np.pad(plain.node, ((0, 0), (1, 1), (1, 1))),
-        twist=twist,
-        bound=None,
+        **inherited,
         bending=bending,
         geometry=geometry,
         areas=areas,
@@ -148,8 +137,6 @@ def build_published(
         ghosts=ghost_layer(grid, sheet, supports, filtered=variant != "printed"),
         row_edges=np.zeros((2, 7, grid.nj + 2)),
         column_edges=np.zeros((2, 7, grid.ni + 2)),
-        scratch=np.zeros((plain.scratch.shape[0], published.SLOTS * PITCH)),
-        row_energy=np.zeros((3, grid.ni + 2)),
     )
 
 

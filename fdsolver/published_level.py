@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -14,15 +14,16 @@ from fdsolver.level import Level
 from fdsolver.membrane import StVenantKirchhoff
 from fdsolver.model import Model
 from fdsolver.problem import Problem
-from fdsolver.published_force import PublishedForce, build_published
+from fdsolver.published_force import build_published
 from fdsolver.result import Status
-from fdsolver.verdict import LEFT_OVER
+from fdsolver.verdict import LEFT_OVER, MOST_HOURGLASS
 
 EDGES = ("left", "right", "bottom", "top")
 NAMED = (
     0.1  # zigzag of the ghost rows, in spacings, that is named as the cause when a run ends without an answer
 )
 GROWING = 0.05  # hourglass share that is no rounding of smooth wrinkles: what the scheme does not see goes on growing
+CARRIES = "The result carries a checkerboard of the mesh beside its wrinkles."
 BLIND = (
     "Its share is {:.2g}, and the published scheme does not see it: under (-1)^(i+j) neither zone gradients nor"
     " curvatures change."
@@ -34,29 +35,13 @@ ROUGH = (
 
 
 @dataclass(frozen=True)
-class WithoutGhosts:
-    """The force of the conservative plate on states that carry ghosts, on which it has none.
+class WithoutGhosts(Force):
+    """The force of the conservative plate, `plain`, on states that carry ghosts, on which it has none.
 
     The published force is no gradient, so no eigenvalue of its tangent decides stability; this one's does.
     """
 
     plain: Force
-    published: PublishedForce
-
-    @property
-    def law(self) -> tuple:
-        """As of `effects.Force`."""
-        return self.plain.law
-
-    @property
-    def closed(self) -> bool:
-        """As of `effects.Force`."""
-        return False
-
-    @property
-    def zone(self) -> np.ndarray:
-        """As of `effects.Force`, with the exterior zones."""
-        return self.published.geometry
 
     def __call__(self, r: np.ndarray, f: np.ndarray) -> np.ndarray:
         """As `effects.Force`, for r, f : (3, ni + 2, nj + 2)."""
@@ -81,8 +66,11 @@ class PublishedLevel(Level):
         self.plain = Level(problem, model, grid, threads)
         supports = {name: condition.support for name, condition in problem.edges.items()}
         self.published = build_published(grid, problem.sheet, supports, self.plain.force, variant)
-        self.force = self.published  # type: ignore[assignment]
-        self.examined = WithoutGhosts(self.plain.force, self.published)  # type: ignore[assignment]
+        self.force = self.published
+        inherited = {field.name: getattr(self.published, field.name) for field in fields(Force)}
+        self.examined = WithoutGhosts(
+            **(inherited | {"zone": self.published.geometry}), plain=self.plain.force
+        )
         self.fixed = np.pad(self.plain.fixed, 1, constant_values=True)
         self.weight = np.pad(self.plain.weight, 1)
 
@@ -115,7 +103,8 @@ class PublishedLevel(Level):
         if status is Status.CONVERGED and share > GROWING and height > LEFT_OVER:
             status = Status.HOURGLASS
         if status is Status.HOURGLASS:
-            return status, f"{status.sentence} {BLIND.format(share)}"
+            start = status.sentence if share > MOST_HOURGLASS else CARRIES
+            return status, f"{start} {BLIND.format(share)}"
         rough = dict(zip(EDGES, self.published.ghosts.roughness(r), strict=True))
         named = [name for name, zigzag in rough.items() if not zigzag < NAMED]
         if status is Status.CONVERGED or not named:
