@@ -30,13 +30,13 @@ def membrane_bands(law, r, f, zone, energy, rows, columns, closed, scratch):
 
 
 @threaded
-def plate_linear_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, twist):
+def plate_linear_bands(law, r, f, zone, energy, rows, columns, closed, scratch, node, twist, coupling):
     """`plate_linear.band` on all rows."""
     bands = scratch.shape[0]
     for k in numba.prange(bands):
         start, stop = k * rows // bands, (k + 1) * rows // bands
         plate_linear.band(
-            law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k], node, twist
+            law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k], node, twist, coupling
         )
 
 

@@ -70,11 +70,24 @@ class Force:
         mesh = (self.zone.reshape(-1), self.row_energy, self.rows, self.columns, self.closed)
         place = (0, self.rows, self.scratch[0]) if threads == 1 else (self.scratch,)
         evaluate = self.kernel.band if threads == 1 else self.kernel.bands
-        bending: tuple[np.ndarray, ...] = ()
+        bending: tuple[np.ndarray | None, ...] = ()
         if self.node is not None and self.twist is not None:
             bending = (self.node.reshape(-1), self.twist.reshape(-1))
+        if self.bound is not None and self.node is not None:
+            bending += (self.node[7:].reshape(-1) if len(self.node) > 7 else None,)
         evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place, *bending)
         return self.row_energy.sum(axis=1)
+
+    @property
+    def local(self) -> bool:
+        """Whether the force on a node depends on nodes a few mesh lines away only."""
+        return True
+
+    def fold_stiffness(self, stiffness: np.ndarray) -> None:
+        """Give the stiffness bounds of ghost nodes to the nodes that they follow; there are none here."""
+
+    def hold(self, inverse_mass: np.ndarray) -> None:
+        """Let components that a line of symmetry holds never move; there are none here."""
 
 
 def build_force(

@@ -225,6 +225,7 @@ def nodal_masses(
         _node_bending_stiffness(r, force.node, force.closed, bending)
         _zone_bending_stiffness(r, force.node, force.twist[0], force.closed, bending)
         stiffness[:3] += bending
+    force.fold_stiffness(stiffness)
     if kind in ("isotropic", "uniform"):
         trace = stiffness[:axes].sum(axis=0)
         stiffness[:axes] = trace if kind == "isotropic" else trace.max()

@@ -58,13 +58,16 @@ def rectangle(
     return Grid("rectangle", u, False, edges, i / rows, j / columns, width)
 
 
-def annulus(inner_radius_mm: float, outer_radius_mm: float, nodes: int, bias: float = 1.0) -> Grid:
+def annulus(
+    inner_radius_mm: float, outer_radius_mm: float, nodes: int, bias: float = 1.0, sectors: int = 1
+) -> Grid:
     """Mesh of the annulus about the origin; i runs clockwise from the +x axis (closed), j outward.
 
     nodes : number of nodes asked for; ni is a multiple of 4, so that nodes lie on both axes.
     bias : 0 to 5. R^(1 - bias) is linear in eta: 0 gives uniform rings, 1 (default) a geometric series,
         where all cells are equally close to squares; larger values crowd the nodes further at the inner
         circle.
+    sectors : divides ni too.
 
     Raises GridError for radii, nodes or bias out of range.
     """
@@ -82,7 +85,8 @@ def annulus(inner_radius_mm: float, outer_radius_mm: float, nodes: int, bias: fl
         angle = 0.5 * math.pi * s
         return radius * np.cos(angle), radius * np.sin(angle)
 
-    rows, columns = interval_counts(count, 4.0 * cell_ratio(position), closed=True, row_step=4)
+    step = math.lcm(4, sectors)
+    rows, columns = interval_counts(count, 4.0 * cell_ratio(position), closed=True, row_step=step)
     i, eta = np.arange(rows), np.arange(columns + 1) / columns
     edges = {"inner": _edge(i, 0), "outer": _edge(i, columns)}
     return Grid("annulus", _four_quarters(position, rows, eta), True, edges, i / rows, eta, outer)

@@ -42,9 +42,10 @@ register(ModerateStVenantKirchhoff, StVenantKirchhoff)
 
 @overload(stress)
 def _of_the_law(law, e11, e22, e12):
-    stress_law = _LAW_OF.get(getattr(law, "instance_class", None))
-    if stress_law is None:
+    moderate = getattr(law, "instance_class", None)
+    if moderate not in _LAW_OF:
         return None
+    stress_law = _LAW_OF[moderate]
 
     def evaluate(law, e11, e22, e12):
         return stress(stress_law(*law), e11, e22, e12)

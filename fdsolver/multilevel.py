@@ -12,9 +12,10 @@ import numba
 import numpy as np
 
 from fdsolver.grid import Grid
-from fdsolver.level import Level, make_level
+from fdsolver.level import Level
 from fdsolver.model import Model
 from fdsolver.problem import Problem
+from fdsolver.reduced import level_on, unfolded
 from fdsolver.relax import Progress, Settings, State, begin
 from fdsolver.result import Solution, Status
 from fdsolver.snapshots import Recorder, final_shape
@@ -141,6 +142,8 @@ def solve(
     """
     numba.set_num_threads(settings.threads)
     seconds_compile = compile_kernels(problem, model, settings.threads)
+    if problem.symmetry is not None:
+        settings = replace(settings, finish="off")  # the exact tangent is made for whole meshes
     # A given state would lose its wrinkles on a coarse mesh.
     levels = 1 if settings.levels is None and problem.initial is not None else settings.levels
     counts = level_nodes(problem.grid.nodes, levels)
@@ -175,12 +178,14 @@ def solve(
         grid = grids[run.level]
         coarse, level = level, _level(problem, model, grid, settings)
         run.state = begin(level.start_from(coarse, run.state.r))
-    solution = assemble(model, settings, level, status, stability, run, seconds_compile)
-    coarser = [_level(problem, model, grid, settings) for grid in grids[: run.level]]
-    solution = with_trail(solution, run.trail, [*coarser, level])
+    shown, run.state = unfolded(level, run.state)
+    solution = assemble(model, settings, shown, status, stability, run, seconds_compile)
+    whole = replace(problem, symmetry=None)
+    coarser = [_level(whole, model, grid, settings) for grid in grids[: run.level]]
+    solution = with_trail(solution, run.trail, [*coarser, shown])
     if not settings.snapshots:
         return solution
-    end = final_shape(run.level, before, level, run.state)
+    end = final_shape(run.level, before, shown, run.state)
     return replace(solution, snapshots=recorder.arrays(grids, end))
 
 
@@ -189,7 +194,7 @@ def _level(problem: Problem, model: Model, grid: Grid, settings: Settings) -> Le
     if settings.thicken and model.bending:
         thickness = problem.sheet.thickness_mm * problem.grid.nodes / grid.nodes
         problem = replace(problem, sheet=replace(problem.sheet, thickness_mm=thickness))
-    return make_level(problem, model, grid, settings.threads)
+    return level_on(problem, model, grid, settings.threads)
 
 
 class _Clock:

@@ -27,7 +27,7 @@ from fdsolver.plate_rows import gather_nodes, keep_upper, node_row
 from fdsolver.rows import ONE, clear, compiled, load, move, slots
 
 ZC = slots(1, membrane.SLOTS)[0]  # out-of-plane position of node row i + 2
-K11, K12, K22, K13, K23, K33, SHARE, A11, A12, A21, A22 = slots(11, membrane.SLOTS + 1)
+K11, K12, K22, A11, A12, A21, A22, K13, K23, K33, SHARE = slots(11, membrane.SLOTS + 1)
 OLD_B12, NEW_B12, OLD_M3, NEW_M3 = slots(4, membrane.SLOTS + 12)  # of zone rows and node rows i and i + 1
 EAST, WEST, NORTH, SOUTH, SELF, PAST, SUM, BEND = slots(8, membrane.SLOTS + 16)  # as in `plate_rows`, of w
 QX, QY, QZ, C33, HOURGLASS, ALPHA, BETA = slots(7, membrane.SLOTS + 24)
@@ -35,7 +35,10 @@ SLOTS = membrane.SLOTS + 31
 
 
 def linear_constants(grid: Grid, k: CurvatureConstants) -> np.ndarray:
-    """K11 to K33 and share as in `plate.node_constants`, then c1 a11, c2 a12, c1 a21, c2 a22; (11, ni, nj), scaled."""
+    """K11, K12, K22 of `plate.node_constants`, then c1 a11, c2 a12, c1 a21, c2 a22; (7, ni, nj), scaled.
+
+    On meshes whose lines are not orthogonal K13, K23, K33 and the share follow: (11, ni, nj).
+    """
     u = np.ascontiguousarray(np.moveaxis(grid.u, 2, 0)) / grid.length_mm
     east, west, north, south = node_steps(u, grid.closed)
     c1, c2 = k.c1[:, None], k.c2
@@ -46,18 +49,22 @@ def linear_constants(grid: Grid, k: CurvatureConstants) -> np.ndarray:
         tangents += [c1 * (s[0] * t2[1] - s[1] * t2[0]) / area, c2 * (t1[0] * s[1] - t1[1] * s[0]) / area]
     # At a clamped edge the given normal is e3 itself: nothing to subtract for the slope.
     follows = np.where(k.clamped1 | k.clamped2, 0.0, 1.0)
-    return np.concatenate([node_constants(k)[:7], follows * np.stack(tangents)])
+    moduli = node_constants(k)
+    coupling = moduli[3:7] if not k.orthogonal else moduli[:0]
+    return np.concatenate([moduli[:3], follows * np.stack(tangents), coupling])
 
 
 def stiffness_bound(node: np.ndarray, twist: np.ndarray, closed: bool) -> np.ndarray:
     """Row-sum bound of the bending energy's stiffness, (ni, nj): E'' <= sum of bound w^2 / 2. A constant of the mesh.
 
-    node : (11, ni, nj) of `linear_constants`. twist : (4, zone rows, nj - 1), C33 and `plate.hourglass_constants`.
+    node : of `linear_constants`. twist : (4, zone rows, nj - 1), C33 and `plate.hourglass_constants`.
     """
-    k11, k12, k22, k13, k23, k33 = np.abs(node[:6])
-    a11, a12, a21, a22 = node[7:]
+    k11, k12, k22 = np.abs(node[:3])
+    a11, a12, a21, a22 = node[3:7]
+    coupling = node[7:] if len(node) > 7 else np.zeros((4, *node.shape[1:]))
+    k13, k23, k33 = np.abs(coupling[:3])
     bound = np.zeros(node.shape[1:])
-    mixed = node[6] * (k13 + k23 + k33)
+    mixed = coupling[3] * (k13 + k23 + k33)
     for modulus, parts in (
         (k11 + k12 + k13, (1.0 - a11, 1.0 + a11, a12, a12)),
         (k12 + k22 + k23, (a21, a21, 1.0 - a22, 1.0 + a22)),
@@ -72,7 +79,7 @@ def stiffness_bound(node: np.ndarray, twist: np.ndarray, closed: bool) -> np.nda
     near = mixed if closed else mixed[:-1]
     around = near[:, :-1] + far[:, :-1] + far[:, 1:] + near[:, 1:]
     pulls = (np.abs(twist[0]) + around) * corners.sum(axis=0) * corners
-    rows = bound.shape[0]
+    rows = len(bound)
     first = np.arange(twist.shape[1])
     following = (first + 1) % rows
     bound[first, :-1] += pulls[0]
@@ -104,8 +111,11 @@ def zone_curvature_row(s, columns):
 
 
 @compiled
-def node_moment_row(s, columns):
-    """Curvatures and moments of node row i + 1 and their gradient on the node and its neighbours; returns energy."""
+def node_moment_row(s, columns, coupling):
+    """Curvatures and moments of node row i + 1 and their gradient on the node and its neighbours; returns energy.
+
+    coupling : None where b3 has no part in the energy; decided when this is compiled.
+    """
     energy = 0.0
     for j in range(columns):
         w = s[ZB + j]
@@ -114,13 +124,15 @@ def node_moment_row(s, columns):
         a11, a12, a21, a22 = s[A11 + j], s[A12 + j], s[A21 + j], s[A22 + j]
         b1 = east + west - a11 * (east - west) - a12 * (north - south)
         b2 = north + south - a21 * (east - west) - a22 * (north - south)
-        share = s[SHARE + j]
-        b3 = share * (s[OLD_B12 + j] + s[OLD_B12 - ONE + j] + s[NEW_B12 + j] + s[NEW_B12 - ONE + j])
-        m1 = s[K11 + j] * b1 + s[K12 + j] * b2 + s[K13 + j] * b3
-        m2 = s[K12 + j] * b1 + s[K22 + j] * b2 + s[K23 + j] * b3
-        m3 = s[K13 + j] * b1 + s[K23 + j] * b2 + s[K33 + j] * b3
-        energy += 0.5 * (m1 * b1 + m2 * b2 + m3 * b3)
-        s[NEW_M3 + j] = share * m3
+        m1 = s[K11 + j] * b1 + s[K12 + j] * b2
+        m2 = s[K12 + j] * b1 + s[K22 + j] * b2
+        energy += 0.5 * (m1 * b1 + m2 * b2)
+        if coupling is not None:
+            share, k13, k23, k33 = s[SHARE + j], s[K13 + j], s[K23 + j], s[K33 + j]
+            b3 = share * (s[OLD_B12 + j] + s[OLD_B12 - ONE + j] + s[NEW_B12 + j] + s[NEW_B12 - ONE + j])
+            energy += b3 * (k13 * b1 + k23 * b2 + 0.5 * k33 * b3)
+            s[NEW_M3 + j] = share * (k13 * b1 + k23 * b2 + k33 * b3)
+            m1, m2 = m1 + k13 * b3, m2 + k23 * b3
         h1, h2 = a11 * m1 + a21 * m2, a12 * m1 + a22 * m2
         s[EAST + j], s[WEST + j] = m1 - h1, m1 + h1
         s[NORTH + j], s[SOUTH + j] = m2 - h2, m2 + h2
@@ -129,7 +141,7 @@ def node_moment_row(s, columns):
 
 
 @compiled
-def zone_moment_row(s, columns):
+def zone_moment_row(s, columns, coupling):
     """Add mixed moment and hourglass stiffness of zone row i to the forces on its diagonals; returns both energies."""
     energy = hourglass = 0.0
     for j in range(columns):
@@ -142,7 +154,9 @@ def zone_moment_row(s, columns):
         gx, gy = sx - alpha * d1x - beta * d2x, sy - alpha * d1y - beta * d2y
         hourglass += 0.5 * k * (gx * gx + gy * gy)
         gx, gy = k * gx, k * gy
-        m = s[C33 + j] * b12 + s[OLD_M3 + j] + s[OLD_M3 + ONE + j] + s[NEW_M3 + j] + s[NEW_M3 + ONE + j]
+        m = s[C33 + j] * b12
+        if coupling is not None:
+            m += s[OLD_M3 + j] + s[OLD_M3 + ONE + j] + s[NEW_M3 + j] + s[NEW_M3 + ONE + j]
         s[T1X + j], s[T2X + j] = s[T1X + j] - alpha * gx, s[T2X + j] - beta * gx
         s[T1Y + j], s[T2Y + j] = s[T1Y + j] - alpha * gy, s[T2Y + j] - beta * gy
         s[T1Z + j], s[T2Z + j] = s[T1Z + j] - alpha * m, s[T2Z + j] - beta * m
@@ -166,8 +180,8 @@ def load_constants(s, slot, source, first, count, row, rows, columns):
 
 
 @compiled
-def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, twist):
-    """As `plate.band`, with node : flat (11, rows, columns) of `linear_constants`."""
+def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, twist, coupling):
+    """As `plate.band`; node, coupling : the first 7 fields of `linear_constants`, and the rest or None; flat."""
     n = np.uint64(columns)
     cells = n - ONE
     zone_rows = rows if closed else rows - 1
@@ -183,7 +197,8 @@ def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, t
             s[slot - ONE] = s[slot]
             s[slot + n] = s[slot + cells]
         move(s, OLD_B12, NEW_B12, n)
-        move(s, OLD_M3, NEW_M3, n)
+        if coupling is not None:
+            move(s, OLD_M3, NEW_M3, n)
         if closed or 0 <= i + 1 < zone_rows:
             load_constants(s, ALPHA, twist, 2, 2, (i + 1) % rows, zone_rows, cells)
             zone_curvature_row(s, cells)
@@ -192,8 +207,10 @@ def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, t
         if i + 1 < start - 1:
             continue
         if closed or 0 <= i + 1 < rows:
-            load_constants(s, K11, node, 0, 11, (i + 1) % rows, rows, n)
-            node_energy = node_moment_row(s, n)
+            load_constants(s, K11, node, 0, 7, (i + 1) % rows, rows, n)
+            if coupling is not None:
+                load_constants(s, K13, coupling, 0, 4, (i + 1) % rows, rows, n)
+            node_energy = node_moment_row(s, n, coupling)
             gather_nodes(
                 s, n, not closed and i + 1 == 0, False, EAST, WEST, NORTH, SOUTH, SELF, PAST, SUM, BEND
             )
@@ -212,7 +229,7 @@ def band(law, r, f, zone, energy, rows, columns, closed, start, stop, s, node, t
             membrane.load_zones(s, zone, here, zone_rows, cells)
             load_constants(s, C33, twist, 0, 4, here, zone_rows, cells)
             membrane_energy = membrane.zone_row(s, law, cells)
-            bending_energy, hourglass_energy = zone_moment_row(s, cells)
+            bending_energy, hourglass_energy = zone_moment_row(s, cells, coupling)
         else:
             membrane_energy = bending_energy = hourglass_energy = 0.0
             for t in (T1X, T1Y, T1Z, T2X, T2Y, T2Z, QX, QY, QZ):

@@ -10,6 +10,7 @@ import numpy as np
 from fdsolver.edges import EdgeCondition
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
+from fdsolver.symmetry import Symmetry
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,7 @@ class Problem:
     grid_of : node count -> Grid of the same shape and map, for the coarser levels of a nested run.
     perturbation : amplitude of the random out-of-plane start at the free nodes, in units of grid.length_mm.
     seed : of that perturbation.
+    symmetry : what the state is assumed to keep; only a part of the mesh is then solved. None: the whole sheet.
     initial : mesh and positions (ni, nj, 3), mm, of a state to start from instead of the uniform start; None: uniform.
     """
 
@@ -28,4 +30,5 @@ class Problem:
     grid_of: Callable[[int], Grid]
     perturbation: float = 1e-6
     seed: int = 0
+    symmetry: Symmetry | None = None
     initial: tuple[Grid, np.ndarray] | None = None

@@ -282,4 +282,5 @@ def _set_masses(force: Force, free: np.ndarray, state: State, kind: str) -> None
     mass = state.mass_factor * nodal_masses(force, state.r, ahead, force.relaxed, kind)
     inverse = np.zeros_like(mass)
     invert(mass.reshape(len(mass), -1), free.reshape(-1), inverse.reshape(len(mass), -1))
+    force.hold(inverse)
     state.mass, state.inverse_mass = mass, inverse  # new arrays: `_keep` has the old ones

@@ -18,10 +18,9 @@ from scipy.linalg import eigh_tridiagonal
 
 from fdsolver.damping import twice_kinetic_in_space
 from fdsolver.effects import Force
-from fdsolver.finish import relax_or_finish
 from fdsolver.level import Level
 from fdsolver.planar import lowest_out_of_plane
-from fdsolver.relax import Settings, State, kick
+from fdsolver.relax import Settings, State, kick, relax
 from fdsolver.result import Status
 from fdsolver.rows import compiled
 
@@ -159,14 +158,14 @@ def relax_to_stable(
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
-        status = relax_or_finish(level, state, settings, on_block)
+        status = relax(level.force, ~level.fixed, level.weight, state, settings, on_block, level.project)
         if level.model.relaxed:
             return status, {"stable": True, "how": CONVEX, "lowest": None}
         if status is not Status.CONVERGED:
             return status, {"stable": None, "how": "not examined: the state is not converged", "lowest": None}
         started = time.perf_counter()
         try:
-            verdict = examine(level.examined, state, level.problem.seed, PLANAR * height)
+            verdict = examine(level.force, state, level.problem.seed, PLANAR * height)
         except KeyboardInterrupt:
             return Status.INTERRUPTED, {"stable": None, "how": "not examined: interrupted", "lowest": None}
         state.evaluations += verdict.evaluations

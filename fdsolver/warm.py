@@ -24,7 +24,7 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     x, y = np.meshgrid(np.linspace(0.0, 1.0, 6), np.linspace(0.0, 1.0, 6), indexing="ij")
     edges = {"left": np.stack([np.zeros(6, dtype=np.int64), np.arange(6)], axis=1)}
     grid = Grid("rectangle", np.stack([x, y], axis=-1), False, edges, x[:, 0].copy(), y[0].copy(), 1.0)
-    tiny = replace(problem, grid=grid, edges={})
+    tiny = replace(problem, grid=grid, edges={}, symmetry=None)
     level = make_level(tiny, model, grid, threads)
     state = begin(level.scaled(1.01 * level.flat))
     relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20, threads=threads))
