@@ -9,20 +9,15 @@ stay where they are and differ by the phase alone.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
-from cases.boundary import problem_of
 from cases.envelope import compare_waves, mean_wavelength, phase_deg, shift_phase
-from cases.methods import METHODS, with_numbers
 from cases.probe import measure_section, sample_section
-from cases.schema import Line, Scene
-from fdsolver.model import KOITER
-from fdsolver.multilevel import solve
-from fdsolver.relax import Settings
+from cases.schema import Line
 from fdsolver.result import Solution
 
 
@@ -124,17 +119,3 @@ def shifted_phase(solution: Solution, degrees: float) -> np.ndarray:
     for j in range(grid.nj):
         r[:, j, 2] = CubicSpline(even, shift_phase(heights[:, j], degrees))(x)
     return r
-
-
-def from_state(scene: Scene, solution: Solution, r: np.ndarray) -> Solution:
-    """Relax the plate of a scene from the positions r (ni, nj, 3), mm, on the mesh of a solution, to the scene's end.
-
-    Without the scene's perturbation: what breaks a symmetry of r is the relaxation alone.
-    """
-    resolved = with_numbers(scene, METHODS["koiter"], None, None)
-    solver = resolved.solver
-    assert solver.tolerance is not None, "with_numbers sets the tolerance"
-    settings = Settings(solver.tolerance, solver.damping, solver.mass, solver.levels)
-    limits = replace(settings, max_steps=solver.max_steps, max_seconds=solver.max_seconds)
-    problem = problem_of(resolved, KOITER, seed=0)
-    return solve(replace(problem, perturbation=0.0, initial=(solution.grid, r)), KOITER, limits)

@@ -19,7 +19,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from cases.energy_gained import energy_gained, flat_state
-from cases.envelope import mean_wavelength
+from cases.envelope import envelope, mean_wavelength
 from cases.probe import measure_section, sample_section
 from cases.runner import run
 from cases.scene import load_scene
@@ -85,9 +85,10 @@ def sweep(
     out : folder in which every load leaves its result folder KEY-VALUE; what is there already is not solved again.
     progress : called with every load that begins.
 
-    Columns: the key, status, stable, wrinkled (a height that counts, and energy gained), amplitude_mm, rms_mm,
-    mean_wavelength_mm, half_waves, bending_N_mm, gained_N_mm (`energy_gained`; NaN where one of the states is not
-    converged), flat_lowest (eigenvalue of the flat state, see `fdsolver.planar`), flat_stable, cpu_seconds.
+    Columns: the key, status, stable, wrinkled (a height that counts, and energy gained), amplitude_mm, envelope_mm
+    (largest height of the envelope, whatever the phase), rms_mm, mean_wavelength_mm, half_waves, bending_N_mm,
+    gained_N_mm (`energy_gained`; NaN where one of the states is not converged), flat_lowest (eigenvalue of the flat
+    state, see `fdsolver.planar`), flat_stable, cpu_seconds.
     """
     rows = []
     for value in plan.values:
@@ -112,6 +113,7 @@ def _row(scene: Scene, plan: Sweep, plate: Solution, flat: Solution) -> dict[str
         "stable": plate.stability["stable"],
         "wrinkled": wrinkled,
         "amplitude_mm": found.amplitude_mm,
+        "envelope_mm": float(envelope(section.z).max()),
         "rms_mm": found.rms_mm,
         "mean_wavelength_mm": mean_wavelength(section.s, section.z) if wrinkled else np.nan,
         "half_waves": found.half_waves if wrinkled else 0,
