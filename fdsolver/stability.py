@@ -11,16 +11,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import eigh_tridiagonal
 
 from fdsolver.damping import twice_kinetic_in_space
 from fdsolver.effects import Force
+from fdsolver.finish import relax_or_finish
 from fdsolver.level import Level
 from fdsolver.planar import lowest_out_of_plane
-from fdsolver.relax import Settings, State, kick, relax
+from fdsolver.reduced import unfolded
+from fdsolver.relax import Settings, State, kick
 from fdsolver.result import Status
 from fdsolver.rows import compiled
 
@@ -56,7 +58,7 @@ def examine(force: Force, state: State, seed: int = 0, flat: float = 0.0) -> Sta
     The state's masses and positions are read, not changed. seed : of the random start, which makes this repeatable.
     flat : range of z, L, up to which the state counts as planar.
     """
-    if np.ptp(state.r[2]) <= flat:
+    if force.local and np.ptp(state.r[2]) <= flat:
         found = lowest_out_of_plane(force, state.r, state.inverse_mass[2] > 0.0, seed)
         if found is not None:
             lowest, shape, evaluations = found
@@ -147,6 +149,19 @@ def _orthogonalise(q, previous, at_rest, moved, probe, coupling, mass, inverse, 
     return along, np.sqrt(twice_kinetic_in_space(image, mass))
 
 
+def _examine(level: Level, state: State, flat: float) -> Stability:
+    """`examine` the state of a level; one that is computed in the plane, in space."""
+    if len(state.r) == 3:
+        return examine(level.examined, state, level.problem.seed, flat)
+    level, state = unfolded(level, state)
+    space = Level(level.problem, replace(level.model, out_of_plane=True), level.grid, 1)
+    r = np.concatenate([state.r, np.zeros_like(state.r[:1])])
+    found = lowest_out_of_plane(space.force, r, ~level.fixed, level.problem.seed)
+    if found is None:
+        return Stability(False, float("nan"), "not examined: the mesh is too large for its tangent", 0, None)
+    return Stability(found[0] >= -NEUTRAL, found[0], EXACT, found[2], None)
+
+
 def relax_to_stable(
     level: Level, state: State, settings: Settings, on_block: Callable[[State], None] | None = None
 ) -> tuple[Status, dict[str, object]]:
@@ -158,14 +173,14 @@ def relax_to_stable(
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
-        status = relax(level.force, ~level.fixed, level.weight, state, settings, on_block, level.project)
+        status = relax_or_finish(level, state, settings, on_block)
         if level.model.relaxed:
             return status, {"stable": True, "how": CONVEX, "lowest": None}
         if status is not Status.CONVERGED:
             return status, {"stable": None, "how": "not examined: the state is not converged", "lowest": None}
         started = time.perf_counter()
         try:
-            verdict = examine(level.force, state, level.problem.seed, PLANAR * height)
+            verdict = _examine(level, state, PLANAR * height)
         except KeyboardInterrupt:
             return Status.INTERRUPTED, {"stable": None, "how": "not examined: interrupted", "lowest": None}
         state.evaluations += verdict.evaluations
