@@ -61,3 +61,13 @@ def banded(
         return Banded(values[-1], values[-1])
     order = math.nan if limit.order is None else limit.order
     return Banded(limit.finest, limit.value, limit.band, limit.error_of_finest, order)
+
+
+def counted(stored: Sequence[Stored], count: Callable[[Stored], float]) -> Banded:
+    """A whole number on the finest mesh, with the largest difference of the other meshes from it as band."""
+    runs = sorted((s for s in stored if s.converged), key=planned_nodes)
+    values = [count(s) for s in runs]
+    if not values or not math.isfinite(values[-1]):
+        return Banded(math.nan)
+    apart = max((abs(v - values[-1]) for v in values if math.isfinite(v)), default=0.0)
+    return Banded(values[-1], values[-1], apart if len(values) > 1 else math.nan, apart)

@@ -114,6 +114,9 @@ def _solve(
     except cases.SceneError as problems:
         raise ValueError(str(problems)) from problems
 
+    if run.kept_flat:
+        return _solve_flat(scene, folder, nodes)
+
     def solve(force: bool) -> str:
         solution = cases.run(
             scene,
@@ -133,6 +136,25 @@ def _solve(
         if not folder.exists():
             raise
         return solve(force=True)
+
+
+def _solve_flat(scene: Any, folder: Path, nodes: int | None) -> str:
+    """The status of the plate's planar equilibrium; a converged result of the same scene and nodes is kept."""
+    from cases.energy_gained import flat_state
+    from cases.methods import METHODS, with_numbers
+    from cases.results import probe, read_document, write_result
+    from cases.scene_text import scene_hash
+
+    resolved = with_numbers(scene, METHODS["koiter"], nodes, None)
+    identity = scene_hash(resolved, "koiter", state="kept flat")
+    if (folder / "result.json").exists():
+        document = read_document(folder)
+        if document.get("scene_hash") == identity and document["status"] == "converged":
+            return "converged"
+    solution = flat_state(scene, nodes)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_result(folder, solution, resolved, probe(solution, resolved), {}, identity)
+    return str(solution.status.value)
 
 
 def note_refusal(folder: Path, status: str, message: str) -> None:

@@ -12,7 +12,7 @@ from reports.loads import MIDDLE, finest
 from reports.maps import unavailable
 from reports.plans import draw_relief, inner_plans
 from reports.stored import Stored
-from reports.style import colour
+from reports.style import colour, whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 LOAD_COLOURS = ("#56B4E9", "#0072B2", "#D55E00", "#333333")  # of the pulls of Fig. 4, in their order
 LOAD_LINES = ((0, (5, 1.5)), "-", "-", (0, (1.2, 1.2)))
+MESH_COLOURS = ("#8CC4E3", "#0072B2", "#0B3C5D", "#000000")  # from coarse to fine
 LETTERS = "abcdefgh"
 
 
@@ -55,20 +56,27 @@ def _same_scale(plans: Sequence[Axes]) -> None:
             ax.set_ylim(bottom, top)
 
 
-def measures(fig: FigureBase, pulls: np.ndarray, curves: Mapping[str, Sequence[Banded]]) -> None:
+def measures(
+    fig: FigureBase,
+    pulls: np.ndarray,
+    curves: Mapping[str, Sequence[Banded]],
+    flat: Mapping[float, tuple[np.ndarray, np.ndarray]],
+) -> None:
     """Measures of the wrinkles against the pull (%), each with the band of its mesh sequence.
 
     curves : for each pull, of "amplitude", "rms", "wavelength", "half_waves", "bending" and "gained".
+    flat : nodes -> pulls (%) and lowest eigenvalues of the strip kept flat.
     """
-    axes = fig.subplots(2, 2, sharex=True).ravel()
+    grid = fig.add_gridspec(3, 2, height_ratios=[1.0, 1.0, 0.85])
+    axes = [fig.add_subplot(grid[k // 2, k % 2]) for k in range(4)]
     blue, red = colour("koiter"), "#D55E00"
-    band(axes[0], pulls, curves["amplitude"], blue, "o", "largest")
+    band(axes[0], pulls, curves["amplitude"], blue, "o", "crests, by their envelope")
     band(axes[0], pulls, curves["rms"], red, "s", "root mean square")
     axes[0].set_ylabel("height across the middle (mm)")
     axes[0].set_title("(a) height of the wrinkles")
     band(axes[1], pulls, curves["wavelength"], blue, "o")
     axes[1].set_ylabel("wavelength (mm)")
-    axes[1].set_title("(b) wavelength where they are highest")
+    axes[1].set_title("(b) mean wavelength")
     band(axes[2], pulls, curves["half_waves"], blue, "o")
     axes[2].set_ylabel("half-waves across the middle (–)")
     axes[2].set_title("(c) number of half-waves")
@@ -76,14 +84,38 @@ def measures(fig: FigureBase, pulls: np.ndarray, curves: Mapping[str, Sequence[B
     band(axes[3], pulls, curves["gained"], red, "s", "gained by wrinkling")
     axes[3].ticklabel_format(axis="y", style="sci", scilimits=(0, 0), useMathText=True)
     axes[3].set_ylabel("energy (N mm)")
-    axes[3].set_title("(d) energies of the wrinkles")
+    axes[3].set_title("(d) energies of the wrinkles", pad=14)
     for ax in axes:
         ax.set_ylim(bottom=0.0)
-    for ax in axes[2:]:
-        ax.set_xlabel("pull (%)")
+        ax.set_xlim(0.0, 1.03 * float(pulls.max()))
     for ax in (axes[0], axes[3]):
         if ax.get_legend_handles_labels()[0]:
             ax.legend()
+    below = fig.add_subplot(grid[2, :])
+    below.set_xlim(0.0, 1.03 * float(pulls.max()))
+    _flat_stability(below, flat)
+    for ax in (*axes, below):
+        ax.set_xlabel("pull (%)")
+
+
+def _flat_stability(ax: Axes, flat: Mapping[float, tuple[np.ndarray, np.ndarray]]) -> None:
+    """Lowest eigenvalue of the strip kept flat, mesh by mesh: where it is negative the strip must wrinkle."""
+    ax.set_title("(e) lowest eigenvalue of the strip kept flat: negative where it must wrinkle")
+    ax.axhline(0.0, color="#BBBBBB", linewidth=0.8, zorder=0)
+    for (nodes, (pulls, lowest)), shade in zip(flat.items(), MESH_COLOURS, strict=False):
+        ax.plot(
+            pulls,
+            lowest,
+            marker="o",
+            markersize=3.0,
+            color=shade,
+            linewidth=1.0,
+            label=f"{whole(nodes)} nodes",
+        )
+    ax.set_ylabel("relative eigenvalue (–)")
+    ax.set_ylim(-0.4, 0.4)
+    if flat:
+        ax.legend(ncols=len(flat), loc="upper left", columnspacing=1.2)
 
 
 def band(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
+from cases.envelope import envelope, mean_wavelength
 from reports.plan_sheets import STRIP_LENGTH_MM
 from reports.run import ReportRun
 from reports.stored import Stored
@@ -30,6 +31,18 @@ def pull_percent(stored: Stored) -> float:
 def measure(stored: Stored, name: str) -> float:
     """A measure of the wrinkles across the middle, such as "rms_mm"; NaN if it is absent or null."""
     return stored.value("sections", MIDDLE, name)
+
+
+def crest_height(stored: Stored) -> float:
+    """Largest height of the crests' envelope across the middle, mm: whatever the phase; NaN without a section."""
+    section = stored.section(MIDDLE)
+    return float(envelope(section["z_mm"]).max()) if section else math.nan
+
+
+def wavelength(stored: Stored) -> float:
+    """Mean wavelength across the middle, mm: half of the profile's power is in longer waves; NaN without any."""
+    section = stored.section(MIDDLE)
+    return mean_wavelength(section["s_mm"], section["z_mm"]) if section else math.nan
 
 
 def wrinkled(stored: Stored) -> bool:
@@ -69,7 +82,9 @@ def finest(stored: Iterable[Stored]) -> Stored | None:
 
 def energy_gained(wrinkled_run: Stored, flat: Stored | None) -> float:
     """Energy of the flat state less that of the wrinkled one on the same mesh, N mm; NaN without a flat one."""
-    if flat is None or flat.value("nodes") != wrinkled_run.value("nodes"):
+    if flat is None or not (flat.converged and wrinkled_run.converged):
+        return math.nan
+    if flat.value("nodes") != wrinkled_run.value("nodes"):
         return math.nan
     return flat.value("energy_N_mm", "total") - wrinkled_run.value("energy_N_mm", "total")
 

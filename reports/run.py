@@ -18,6 +18,7 @@ class ReportRun:
     max_seconds : time limit of the quick report, s; the full report has ten times as much.
     part : the figure or table of the scene's section that the run is for; "" for its comparison of methods.
     seed : of the random start.
+    kept_flat : solve for the plate's planar equilibrium, which is examined but not left where it is unstable.
     """
 
     name: str
@@ -29,6 +30,7 @@ class ReportRun:
     max_seconds: float = 40.0
     part: str = ""
     seed: int = 0
+    kept_flat: bool = False
 
     def nodes(self, full: bool) -> int | None:
         """Node count of the quick or full report; None if that report leaves the run out."""

@@ -82,10 +82,16 @@ def _against_pull(sweep: Sequence[Stored], flat: Sequence[Stored]) -> list[Block
             "Beside Fig. 4",
             "Measures of the wrinkles across the middle against the pull. Lines: limits extrapolated from a sequence "
             "of meshes, within the band of that extrapolation; marks: the finest mesh. Where the strip stays flat it "
-            "has neither wavelength nor half-waves.",
+            "has neither wavelength nor half-waves. The height in (a) is that of the crests' envelope, which does not "
+            "depend on the phase. (e) settles without any wrinkled run where the strip must wrinkle, mesh by mesh.",
             "Curves of amplitude, wavelength, number of half-waves and energies of the wrinkles against the pull.",
-            partial(figures_stretch.measures, pulls=found.pulls, curves=found.curves),
-            4.6,
+            partial(
+                figures_stretch.measures,
+                pulls=found.pulls,
+                curves=found.curves,
+                flat=found.flat_eigenvalues(),
+            ),
+            6.3,
         ),
         pull_table(found),
     ]
