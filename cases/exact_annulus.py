@@ -30,7 +30,7 @@ def solve_annulus_scene(scene: Scene, grid: Grid) -> Solution:
         )
     started = time.perf_counter(), time.process_time()
     try:
-        exact = solve_annulus(_annulus_problem(scene.sheet, sheet, edges), tolerance=_TOLERANCE)
+        exact = solve_annulus(annulus_problem(scene.sheet, sheet, edges), tolerance=_TOLERANCE)
     except NoAnnulusSolution as reason:
         raise MethodError(f"The scene {scene.name} has no closed form: {reason}") from reason
     outer = edges["outer"]
@@ -47,7 +47,7 @@ def solve_annulus_scene(scene: Scene, grid: Grid) -> Solution:
     )
 
 
-def _annulus_problem(ring: object, sheet: Sheet, edges: Mapping[str, EdgeCondition]) -> AnnulusProblem:
+def annulus_problem(ring: object, sheet: Sheet, edges: Mapping[str, EdgeCondition]) -> AnnulusProblem:
     assert isinstance(ring, AnnulusSheet)
     inner, outer = edges["inner"], edges["outer"]
     return AnnulusProblem(

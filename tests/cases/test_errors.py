@@ -156,3 +156,23 @@ def test_what_balances_to_zero_is_no_quantity():
         for name in quantities(replace(solution, reactions={"left": balanced}), scene)
     )
     assert "out_of_plane_mm.max_abs" not in names, "a plane sheet has no height"
+
+
+def test_the_height_of_the_highest_node_is_refused_where_it_moves():
+    def wave(x, y):
+        return np.sin(0.11 * x + 0.3)
+
+    states = [made_solution(rectangle(100.0, 50.0, nodes), wave) for nodes in (500, 2000, 8000)]
+    scene = load_scene("strip-tension", {"paths": {}})
+    estimates = {e.quantity: e for e in errors_of(replace(states[-1], coarser=tuple(states[:-1])), scene)}
+    assert estimates["out_of_plane_mm.max_abs"].discretisation is None
+    # the rms height is an integral: over the width by its antiderivative
+    square = 0.5 - (np.sin(2.0 * (5.5 + 0.3)) - np.sin(2.0 * (-5.5 + 0.3))) / (4.0 * 0.11 * 100.0)
+    rms = estimates["out_of_plane_mm.rms"]
+    assert abs(rms.value - np.sqrt(square)) <= rms.total
+
+
+def test_the_height_of_a_placed_edge_is_exact(nested):
+    solution, scene, _ = nested
+    lifted = next(e for e in errors_of(solution, scene) if e.quantity == "out_of_plane_mm.max_abs")
+    assert (lifted.value, lifted.discretisation) == (125.0, 0.0)
