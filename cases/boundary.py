@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cases.schema import AnnulusSheet, HoleSheet, Scene
+from cases.unstructured import FiniteElementSolution
 from fdsolver import meshes
 from fdsolver.edges import EdgeCondition
 from fdsolver.grid import Grid
@@ -67,10 +68,20 @@ def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
 
 
 def _initial(scene: Scene) -> tuple[Grid, np.ndarray] | None:
-    """Mesh and positions (ni, nj, 3) mm of the result folder that the scene starts from, None if it names none."""
-    if scene.start.source is None:
-        return None
-    from cases.results import load_result
+    """Mesh and positions (ni, nj, 3) mm of the result folder or the buckling mode that the scene starts from.
 
-    solution = load_result(scene.start.source)
+    None if it names neither.
+    """
+    source = scene.start.source
+    if source is None:
+        return None
+    if source.startswith("mode:"):
+        from cases.mode_start import mode_state
+
+        return mode_state(scene, int(source.removeprefix("mode:")))
+    from cases.results import ResultError, load_result
+
+    solution = load_result(source)
+    if isinstance(solution, FiniteElementSolution):
+        raise ResultError(f"The result in {source} is one of finite elements; a run starts from a structured mesh.")
     return solution.grid, solution.r

@@ -46,7 +46,7 @@ def sheet_mesh(scene: Scene, vertices: int, rectangles: bool = False) -> SheetMe
         return meshes.rectangle_with_hole(sheet.width_mm, sheet.height_mm, sheet.hole_radius_mm, vertices)
     cells = "rectangles" if rectangles else "triangles"
     return meshes.rectangle(
-        sheet.width_mm, sheet.height_mm, vertices, grading=0.7, aspect=_aspect(scene), cells=cells
+        sheet.width_mm, sheet.height_mm, vertices, grading=0.9, aspect=_aspect(scene), cells=cells
     )
 
 

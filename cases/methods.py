@@ -206,7 +206,7 @@ def _refuse_options(scene: Scene, method: Method) -> None:
     later = {
         f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none"
         and method.name != "postbuckling",
-        f"start.from = {scene.start.source!r}": from_mode and method.name != "postbuckling",
+        f"start.from = {scene.start.source!r}": from_mode and method.name not in ("koiter", "postbuckling"),
         f"start.from = {scene.start.source!r} by {method.name}": method.name
         in ("exact", "buckling", "postbuckling")
         and scene.start.source is not None
@@ -217,6 +217,8 @@ def _refuse_options(scene: Scene, method: Method) -> None:
         "effects.strain_gradient = 'off' with a plate": scene.effects.strain_gradient == "off"
         and method.bending,
     }
+    if from_mode and method.name == "koiter" and (reason := why_unfit(scene, "buckling")):
+        raise MethodError(f"start.from = {scene.start.source!r} has no mode to start from: {reason}.")
     asked = [key for key, is_asked in later.items() if is_asked]
     if asked:
         raise MethodError(f"{' and '.join(asked)} cannot be solved yet; it comes with a later version.")

@@ -37,8 +37,11 @@ class Found:
         return (values[self.vertices] * self.weight).sum(axis=1)
 
 
-def locate(mesh: FiniteElementMesh, points: np.ndarray) -> Found:
-    """The triangles (halves of quadrilaterals) that hold the points (k, 2), mm; points off the sheet are left out."""
+def locate(mesh: FiniteElementMesh, points: np.ndarray, everywhere: bool = False) -> Found:
+    """The triangles (halves of quadrilaterals) that hold the points (k, 2), mm.
+
+    Points off the sheet are left out, or (everywhere) get the triangle that they are least outside of.
+    """
     triangles = (
         mesh.cells
         if mesh.cells.shape[1] == 3
@@ -54,7 +57,7 @@ def locate(mesh: FiniteElementMesh, points: np.ndarray) -> Found:
         barycentric = np.concatenate([1.0 - local.sum(axis=-1, keepdims=True), local], axis=-1)
         best[part] = barycentric.min(axis=-1).argmax(axis=1)
         weights[part] = barycentric[np.arange(len(local)), best[part]]
-    on = np.flatnonzero(weights.min(axis=1) >= _INSIDE)
+    on = np.flatnonzero(everywhere | (weights.min(axis=1) >= _INSIDE))
     return Found(on, triangles[best[on]], weights[on], best[on] % mesh.zones)
 
 

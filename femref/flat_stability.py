@@ -129,18 +129,19 @@ def covariant_bending(space: PlateSpace, problem: PlaneProblem, state: PlaneStat
 
 
 def second_derivatives(problem: PlaneProblem, gradient: np.ndarray) -> np.ndarray:
-    """(2, 2, 2, cells, points) u_k,ab of quadratic displacements on triangles: the slope of their linear gradient.
+    """(2, 2, 2, cells, points) u_k,ab of cubic displacements on triangles, by differentiating their gradient.
 
-    gradient : (2, 2, cells, points) at the quadrature points.
+    gradient : (2, 2, cells, points) at the quadrature points, quadratic in each triangle.
     """
-    local = problem.points[0]
-    design = np.vstack([np.ones(local.shape[1]), local])
-    slope = np.einsum("kacq,qm->kacm", gradient, np.linalg.pinv(design))[..., 1:]
+    x, y = problem.points[0]
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    monomials = np.stack([one, x, y, x * x, x * y, y * y])
+    slopes = np.stack([[zero, one, zero, 2.0 * x, y, zero], [zero, zero, one, zero, x, 2.0 * y]])
     # local coordinates -> mesh coordinates: affine in each triangle
-    jacobian = np.moveaxis(problem.basis.mapping.DF(local[:, :1])[..., 0], -1, 0)
-    second = np.einsum("kacm,cmb->kabc", slope, np.linalg.inv(jacobian))
-    symmetric = 0.5 * (second + second.transpose(0, 2, 1, 3))
-    return np.broadcast_to(symmetric[..., None], (*symmetric.shape, local.shape[1]))
+    jacobian = np.moveaxis(problem.basis.mapping.DF(problem.points[0][:, :1])[..., 0], -1, 0)
+    coefficients = np.einsum("kacq,qm->kacm", gradient, np.linalg.pinv(monomials))
+    second = np.einsum("kacm,dmq,cdb->kabcq", coefficients, slopes, np.linalg.inv(jacobian), optimize=True)
+    return 0.5 * (second + second.transpose(0, 2, 1, 3, 4))
 
 
 @dataclass(frozen=True)

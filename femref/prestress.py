@@ -1,4 +1,7 @@
-"""Plane prestress of the flat sheet: linear, and of finite strain (St. Venant-Kirchhoff), on quadratic elements.
+"""Plane prestress of the flat sheet: linear, and of finite strain (St. Venant-Kirchhoff).
+
+Displacements are cubic on triangles: compression across a pulled sheet is a hundredth of the tension along it, and its
+relative error decides the buckling load (quadratic ones need four times the vertices for the same factors).
 
 Displacements of supported edges are given. The force that holds an edge is the sum of the nodal residuals there, which
 is the exact derivative of the discrete energy with respect to the edge's movement, not an integral of edge stresses.
@@ -13,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
-from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, ElementVector, LinearForm, MeshQuad
+from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP3, ElementVector, LinearForm, MeshQuad
 from skfem.helpers import ddot, eye, grad, mul, sym_grad, trace, transpose
 
 from femref.sheet_mesh import PlateMaterial, SheetMesh
@@ -21,7 +24,8 @@ from femref.sheet_mesh import PlateMaterial, SheetMesh
 # (reference points (2, k), load) -> displacement (2, k), both in mm
 Movement = Callable[[np.ndarray, float], np.ndarray]
 _MOST_NEWTON_STEPS = 25
-_MOST_HALVINGS = 8
+_SMALLEST_STEP = 2.0**-8
+_LOST = 1e3  # a nodal force beyond this, per Y h L, is that of a torn sheet
 
 
 class NoPrestress(ArithmeticError):
@@ -63,8 +67,8 @@ class PlaneProblem:
 
     @cached_property
     def basis(self) -> Basis:
-        """Quadratic displacements."""
-        element = ElementQuad2() if isinstance(self.sheet.mesh, MeshQuad) else ElementTriP2()
+        """Cubic displacements on triangles, biquadratic ones on rectangles."""
+        element = ElementQuad2() if isinstance(self.sheet.mesh, MeshQuad) else ElementTriP3()
         return Basis(self.sheet.mesh, ElementVector(element), quadrature=self.points)
 
     @cached_property
@@ -163,53 +167,54 @@ def finite_state(
 ) -> PlaneState:
     """Plane equilibrium of St. Venant-Kirchhoff's membrane energy, of finite strain, by Newton's method.
 
-    start : unknowns of a nearby state (`PlaneState.unknowns`); None starts from the linear one. The load is approached
-    in halved steps where the iteration fails.
+    start : unknowns of a nearby state (`PlaneState.unknowns`); None is the undeformed sheet. Where the iteration fails,
+    the edges move in smaller steps.
 
     Raises NoPrestress.
     """
-    if start is None:
-        start = linear_state(problem, load).unknowns
-        reached = _newton(problem, load, start, tolerance)
-        if reached is not None:
-            return reached
-        start = np.zeros(problem.basis.N)
-    done, step = 0.0, load
-    first = start
-    for _ in range(2**_MOST_HALVINGS):
-        guess = first + problem.given(done + step) - problem.given(done) if done else first
-        state = _newton(problem, done + step, guess, tolerance)
-        if state is None:
-            step /= 2.0
-            if abs(step) < abs(load) / 2**_MOST_HALVINGS:
-                break
+    unknowns = np.zeros(problem.basis.N) if start is None else start
+    held, wanted = problem.held, problem.given(load)
+    part, done = 1.0, 0.0
+    while part >= _SMALLEST_STEP:
+        target = unknowns[held] + min(1.0, part / (1.0 - done)) * (wanted[held] - unknowns[held])
+        reached = _newton(problem, target, unknowns, tolerance)
+        if reached is None:
+            part /= 2.0
             continue
-        done, first = done + step, state.unknowns
-        if abs(done - load) <= 1e-12 * abs(load):
-            return state
-        step = min(step, load - done, key=abs)
+        unknowns, force = reached
+        done += part
+        if done >= 1.0 - 1e-12:
+            return problem.finish(unknowns, finite=True, force=force)
     raise NoPrestress(
-        f"The plane state at {load:g} times the load was not reached; Newton stopped at {done:g}."
+        f"The plane state at {load:g} times the load was not reached; Newton stopped after {done:.3g} of the way."
     )
 
 
-def _newton(problem: PlaneProblem, load: float, start: np.ndarray, tolerance: float) -> PlaneState | None:
-    """The equilibrium at a load from a start nearby, None if Newton's method does not converge."""
+def _newton(
+    problem: PlaneProblem, target: np.ndarray, start: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Unknowns and nodal forces of the equilibrium with `target` at the held edges; None where Newton's method fails.
+
+    The first step carries the edges' movement into the sheet by the tangent: moving the edges alone would crush the
+    cells beside them.
+    """
     basis, held = problem.basis, problem.held
     free = np.setdiff1d(np.arange(basis.N), held)
     unknowns = start.copy()
-    unknowns[held] = problem.given(load)[held]
     before = np.inf
-    for _ in range(_MOST_NEWTON_STEPS):
+    for step in range(_MOST_NEWTON_STEPS):
         force, tangent = _force_and_tangent(problem, unknowns)
         size = float(np.abs(force[free]).max(initial=0.0))
+        moving = target - unknowns[held]
         # after convergence rounding keeps the residual from falling: that is as good as the tolerance
-        if size <= tolerance or (size < 1e3 * tolerance and size > 0.25 * before):
-            return problem.finish(unknowns, finite=True, force=force)
-        if not np.isfinite(size) or size > 1e3:
+        if step > 0 and (size <= tolerance or (size < 1e3 * tolerance and size > 0.25 * before)):
+            return unknowns, force
+        if not np.isfinite(size) or size > _LOST:
             return None
         before = size
-        unknowns[free] -= _solve(tangent[free][:, free], force[free])
+        right = force[free] + tangent[free][:, held] @ moving
+        unknowns[free] -= _solve(tangent[free][:, free], right)
+        unknowns[held] = target
     return None
 
 

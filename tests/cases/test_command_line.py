@@ -107,7 +107,7 @@ def test_commands_of_later_versions_say_so(here, capsys, command):
         ),
         (
             ["run", "annulus", "--method", "koiter", "--set", "start.from=mode:1"],
-            "comes with a later version",
+            "has no mode to start from: an edge of the scene annulus moves along z",
         ),
         (["run", "hole", "--method", "exact"], "has no closed form"),
     ],

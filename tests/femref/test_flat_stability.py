@@ -77,7 +77,7 @@ def test_window_gives_both_ends_and_how_far_they_moved() -> None:
 
 
 def _deformed(x: np.ndarray) -> np.ndarray:
-    """A quadratic plane map of small coordinates, so that quadratic elements hold it exactly."""
+    """A cubic plane map, which cubic elements hold exactly."""
     return np.stack(
         [1.2 * x[0] + 0.3 * x[1] ** 2 + 0.1 * x[0] * x[1], 0.9 * x[1] - 0.2 * x[0] ** 2 + 0.2 * x[0]]
     )
