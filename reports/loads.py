@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from cases.envelope import envelope, mean_wavelength
+from cases.schema import Line
 from reports.plan_sheets import STRIP_LENGTH_MM
 from reports.run import ReportRun
 from reports.stored import Stored
@@ -31,6 +32,13 @@ def pull_percent(stored: Stored) -> float:
 def measure(stored: Stored, name: str) -> float:
     """A measure of the wrinkles across the middle, such as "rms_mm"; NaN if it is absent or null."""
     return stored.value("sections", MIDDLE, name)
+
+
+def section_line(run: Stored) -> Line | None:
+    """The line across the middle, from the run's own scene; None without one."""
+    sections = run.scene.get("sections")
+    line = sections.get(MIDDLE) if isinstance(sections, dict) else None
+    return None if line is None else Line(**line)
 
 
 def crest_height(stored: Stored) -> float:

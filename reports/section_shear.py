@@ -12,6 +12,7 @@ from reports.content import Block, Drawing, Section, Text
 from reports.figures_shear import Load
 from reports.loads import WRINKLED, by_shear, finest, flat_partners
 from reports.plans import relief_factor
+from reports.shear_measures import measure_all
 from reports.shear_tables import energy_table, run_rows, wrinkle_size_table
 from reports.stored import Stored
 from reports.tables import remarks
@@ -26,18 +27,19 @@ def build(results: Mapping[str, Stored]) -> Section:
     meshes = by_shear(s for s in mine if s.run.part == "mesh")
     seeds = by_shear(s for s in mine if s.run.part == "seeds")
     flat = flat_partners(s for s in mine if s.run.part == "flat")
+    measured = measure_all(s for s in mine if not s.run.kept_flat)
     best = {load: finest(runs) for load, runs in meshes.items()}
     estimates = {move: estimate_of(move) for move in {load[0] for load in meshes}}
     blocks: list[Block] = [Text(_INTRODUCTION)]
     blocks.append(_drawing("fig6", "Fig. 6", {k: s for k, s in best.items() if k[0] > SMALL_MM}, estimates))
     blocks.append(Text(_ESTIMATE))
-    blocks.append(wrinkle_size_table(meshes, seeds, estimates))
+    blocks.append(wrinkle_size_table(meshes, seeds, measured, estimates, SHEET.thickness_mm))
     blocks.append(energy_table(meshes, seeds, flat))
     small = {load: s for load, s in best.items() if load[0] <= SMALL_MM}
     if small:
         blocks.append(_drawing("fig6-small", "Fig. 6 as its caption has it", small, estimates))
         blocks.append(small_words(small))
-    blocks.append(run_rows(mine))
+    blocks.append(run_rows(mine, measured, SHEET.thickness_mm))
     found = remarks(s for s in mine if s.run.part != "flat")
     return Section("shear", "Sheared sheet", [*blocks, *([found] if found else [])])
 

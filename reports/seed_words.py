@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cases.results import ResultError, load_result
-from cases.schema import Line
 from fdsolver.result import Solution
 from reports.content import Table, Text
-from reports.loads import MIDDLE
+from reports.loads import section_line
 from reports.stored import Stored
 from reports.style import number, whole
 
@@ -63,13 +62,6 @@ def seed_states(seeds: Sequence[Stored]) -> pd.DataFrame:
     table = families(states, there[0][1])
     table.index = pd.Index([name for name, _ in there])
     return table
-
-
-def section_line(run: Stored) -> Line | None:
-    """The line across the middle, from the run's own scene; None without one."""
-    sections = run.scene.get("sections")
-    line = sections.get(MIDDLE) if isinstance(sections, dict) else None
-    return None if line is None else Line(**line)
 
 
 def seed_table(seeds: Sequence[Stored], states: pd.DataFrame) -> Table:

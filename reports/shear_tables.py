@@ -8,11 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from cases.estimates import ShearEstimate
-from reports import shear_measures as measures
 from reports.bands import banded
 from reports.content import Table
 from reports.loads import energy_gained, partner_key, planned_nodes, top_move
-from reports.shear_measures import direction_deg
+from reports.shear_measures import Measured, value_of
 from reports.stored import Stored
 from reports.style import number, whole
 from reports.tables import find, stable
@@ -52,37 +51,49 @@ def load_words(load: Load) -> tuple[str, str]:
     return f"{load[0]:g}", f"{load[1]:g}"
 
 
-def wrinkle_size_table(meshes: Groups, seeds: Groups, estimates: Mapping[float, ShearEstimate]) -> Table:
+def wrinkle_size_table(
+    meshes: Groups,
+    seeds: Groups,
+    measured: Measured,
+    estimates: Mapping[float, ShearEstimate],
+    thickness_mm: float,
+) -> Table:
     """Sizes of the wrinkles beside their estimate."""
-    quantities: Mapping[str, Quantity] = {
-        "half-wavelength across (mm)": measures.half_wavelength_across,
-        "middle |z| (mm)": measures.middle_amplitude,
-        "fan |z| (mm)": measures.fan_maximum,
-        "zero crossings": measures.zero_crossings,
-        "direction (degrees)": direction_deg,
-    }
+
+    def named(name: str) -> Quantity:
+        return lambda s: value_of(measured, s, name, thickness_mm)
+
     rows = []
     for load, runs in meshes.items():
         others = seeds.get(load, [])
-        cells = [banded_text(runs, others, q, 0 if "zero" in n else 3) for n, q in quantities.items()]
         estimate = estimates[load[0]]
         rows.append(
             (
                 *load_words(load),
-                cells[0],
+                banded_text(runs, others, named("half_wavelength_mm")),
                 number(estimate.half_wavelength_mm, 3),
-                cells[1],
+                banded_text(runs, others, named("middle_amplitude_mm")),
                 number(estimate.amplitude_mm, 3),
-                *cells[2:],
+                banded_text(runs, others, named("fan_maximum_mm")),
+                banded_text(runs, others, named("zero_crossings"), 0),
+                banded_text(runs, others, named("crest_deg")),
             )
         )
-    names = list(quantities)
-    columns = ("shear (mm)", "pre-stretch (mm)", names[0], "estimated", names[1], "estimated", *names[2:])
+    columns = (
+        "shear (mm)",
+        "pre-stretch (mm)",
+        "half-wavelength across (mm)",
+        "estimated",
+        "middle |z| (mm)",
+        "estimated",
+        "fan |z| (mm)",
+        "zero crossings",
+        "direction (degrees)",
+    )
     caption = (
         "Wrinkles of the sheared sheet: value on the finest mesh ± its error by the mesh sequence (the range of the "
         "meshes where they approach no limit) ± half of the range over three random starts; an en dash where that is "
-        "not known. The middle is the inner half of section A; the fans are the parts nearer to an upright edge than "
-        "the sheet is high."
+        "not known. The middle is the inner half of section A; the fans have the largest height of the whole sheet."
     )
     return Table(caption, columns, tuple(rows))
 
@@ -110,7 +121,7 @@ def energy_table(meshes: Groups, seeds: Groups, flat: Mapping[tuple[object, ...]
     )
 
 
-def run_rows(mine: Sequence[Stored]) -> Table:
+def run_rows(mine: Sequence[Stored], measured: Measured, thickness_mm: float) -> Table:
     """Every run of the sheared sheet but the flat ones."""
     rows = []
     for run in mine:
@@ -128,7 +139,7 @@ def run_rows(mine: Sequence[Stored]) -> Table:
                 whole(run.value("steps")),
                 stable(run),
                 number(run.value("nodes_per_wrinkle"), 2),
-                whole(measures.zero_crossings(run)),
+                whole(value_of(measured, run, "zero_crossings", thickness_mm)),
                 number(run.value("energy_N_mm", "total"), 6),
                 number(run.value("cpu_seconds"), 3),
             )
