@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from femref.newton import Outcome
     from femref.postbuckle import Postbuckled
 
-# A slide of the wrinkles under their envelope costs next to nothing: its eigenvalue is what the mesh makes of zero,
-# 1e-3 of the flat sheet's most negative one on coarse meshes, while the next is a tenth of it. Below this it is neutral.
+# A slide of the wrinkles under their envelope costs next to nothing. Its eigenvalue is what the mesh makes of zero,
+# 1e-3 of the flat sheet's most negative one on coarse meshes; the next one is a tenth of it. Below this it is neutral.
 NEUTRAL = 1e-2
 # Of one Newton solve: ten are usual, a hundred mean that it will not end.
 MOST_ITERATIONS = 300
@@ -127,14 +127,14 @@ def stability_of(scene: Scene, found: Postbuckled) -> dict[str, object]:
         for y in range(1 + (whole and mirrors.y != 0))
     ]
     energy, lowest = problem.energy(), []
+    scale = abs(found.flat.lowest) if found.flat is not None else 0.0
     for each in classes:
         try:
-            _, values, _ = lowest_modes(energy, found.state.q, ~problem.held(each), 2)
+            _, values, _ = lowest_modes(energy, found.state.q, ~problem.held(each), 2, 0.1 * scale)
         except NotCertified as reason:
             return {"stable": None, "how": f"not certified: {reason}", "lowest": None}
         lowest.append(values)
     smallest = float(min(values[0] for values in lowest))
-    scale = abs(found.flat.lowest) if found.flat is not None else 0.0
     wrinkled = bool(found.state.q[..., 2].any())
     stiff = float(
         min(value for values in lowest for value in values if abs(value) > NEUTRAL * scale or not wrinkled)

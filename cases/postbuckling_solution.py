@@ -59,15 +59,13 @@ def whole_of(level: Postbuckled, rigid_move_mm: np.ndarray) -> Whole:
 
 
 def measured(scene: Scene, whole: Whole) -> dict[str, tuple[float, str]]:
-    """What is compared between meshes and methods, with units: energies, largest reaction, measures of each section."""
+    """What is compared between meshes and methods, with units: energies, reactions, measures of each section."""
     membrane, bending = whole.parts
     found = {"membrane energy": (float(membrane), "N mm"), "bending energy": (float(bending), "N mm")}
     if whole.gained_N_mm is not None:
         found["energy gained by wrinkling"] = (whole.gained_N_mm, "N mm")
-    reactions = reactions_of(scene, whole)
-    if reactions:
-        largest = max(reactions, key=lambda name: float(np.linalg.norm(reactions[name].force_N)))
-        found[f"{largest} force"] = (float(np.linalg.norm(reactions[largest].force_N)), "N")
+    for name, reaction in reactions_of(scene, whole).items():
+        found[f"{name} force"] = (float(np.linalg.norm(reaction.force_N)), "N")
     for name, line in scene.sections.items():
         section = sample_field(whole.energy.mesh, whole.q, line)
         measures = measure_section(section, scene.sheet.thickness_mm)

@@ -17,8 +17,9 @@ from femref.assembly import SheetEnergy
 from femref.inertia import Factorisation, NotCertified, factorise
 
 NEUTRAL_SHIFT = 1e-8
-# A shift s times the mass matrix; the first tried is this part of the stiffest entry, then it grows by steps.
-_FIRST_SHIFT, _SHIFT_STEP = 1e-10, 3.0
+# A shift s times the mass matrix: the first tried is this part of the stiffest entry, then it grows by steps; after a
+# success it falls.
+_FIRST_SHIFT, _SHIFT_STEP, _SHIFT_FALL = 1e-10, 3.0, 10.0
 _ARMIJO = 1e-4
 _SHORTEST_STEP = 1e-10
 # An energy of this many digits cannot rank two states any more; the residual does.
@@ -109,7 +110,7 @@ def minimise(energy: SheetEnergy, q: np.ndarray, free: np.ndarray, settings: New
         history.append((value, residual, used, length))
         if length == 0.0:
             return Equilibrium(q, Outcome.STALLED, residual, iteration, history)
-        shift = used / _SHIFT_STEP if used > 0.0 else 0.0
+        shift = used / _SHIFT_FALL if used > 0.0 else 0.0
         q += length * step
         value, gradient = energy.value(q), energy.gradient(q)
     return Equilibrium(q, Outcome.ITERATION_LIMIT, residual, settings.iterations, history)

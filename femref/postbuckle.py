@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.sparse.linalg import eigsh
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from femref.assembly import SheetEnergy
 from femref.bicubic import Mesh, transfer
@@ -141,21 +141,22 @@ def flat_state(problem: SheetProblem, settings: NewtonSettings) -> tuple[Equilib
 
 
 def lowest_modes(
-    energy: SheetEnergy, q: np.ndarray, free: np.ndarray, count: int
+    energy: SheetEnergy, q: np.ndarray, free: np.ndarray, count: int, guess: float = 0.0
 ) -> tuple[int, np.ndarray, np.ndarray]:
     """Negative eigenvalues of the Hessian of the free unknowns, its `count` lowest (N/mm^3) and their modes.
 
     Eigenvalues are relative to the mass matrix: forces per area and displacement. modes : (count, ni, nj, 4, 3).
-    Raises NotCertified if the factorisation cannot count.
+    guess : size of the lowest, which saves factorisations. Raises NotCertified if the factorisation cannot count.
     """
     hessian, mass = free_hessian(energy, q, free), free_part(energy.mass, free)
     negative = factorise(hessian).negative
     # A shift below the whole spectrum makes the lowest eigenvalues the nearest: found by counting, in steps of ten.
-    shift = 1e-12 * float(np.abs(hessian.diagonal() / mass.diagonal()).max())
-    while factorise((hessian + shift * mass).tocsc()).negative:
+    shift = guess or 1e-9 * float(np.abs(hessian.diagonal() / mass.diagonal()).max())
+    while (factors := factorise((hessian + shift * mass).tocsc())).negative:
         shift *= 10.0
+    inverse = LinearOperator(hessian.shape, matvec=factors.solve, dtype=np.float64)
     start = np.random.default_rng(0).standard_normal(hessian.shape[0])
-    values, vectors = eigsh(hessian, k=count, M=mass, sigma=-shift, v0=start)
+    values, vectors = eigsh(hessian, k=count, M=mass, sigma=-shift, v0=start, OPinv=inverse)
     order = np.argsort(values)
     modes = np.zeros((count, *q.shape))
     for k, index in enumerate(order):
