@@ -159,9 +159,9 @@ def band(
             load_row(s, SHARE, node, np.uint64(rows + i), n)
             sheet_gradient_rows(s, n)
             node_energy = moment_row(s, law.poisson, bending, n)
-            keep_edges(s, i, rows, n, row_edges, column_edges)
-            if start <= i < stop:
+            if start <= i < stop:  # before, the rows that led here are not all known
                 energy[1, i] = node_energy
+                keep_edges(s, i, rows, n, row_edges, column_edges)
         membrane_energy = hourglass_energy = 0.0
         if 1 <= i - 1 < rows - 2:
             membrane.load_zones(s, zone, i - 1, rows - 1, cells)
