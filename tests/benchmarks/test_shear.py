@@ -55,7 +55,7 @@ def test_wrinkles_with_bands_from_meshes_and_seeds(verify, move, rise):
                 seeds.append(found)
     table = with_bands(meshes, seeds)
     for row in table.itertuples():
-        unit = UNITS.get(row.measure.split("_")[-1], "")
+        unit = "N mm" if row.measure.endswith("_N_mm") else UNITS.get(row.measure.split("_")[-1], "")
         verify.note(f"{row.measure}: finest mesh", row.finest, unit)
         verify.note(f"{row.measure}: limit of the meshes", row.limit, unit)
         verify.note(f"{row.measure}: band of the meshes", row.band, row.refused or unit)
