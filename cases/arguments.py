@@ -105,7 +105,7 @@ def _run(parser: Parser) -> Parser:
     )
     _numbers(parser)
     parser.add_argument(
-        "--accuracy", metavar="1%", help="choose the nodes for this error (in a later version)"
+        "--accuracy", metavar="1%", help="choose nodes and tolerance for this estimated error"
     )
     parser.add_argument(
         "--strict", action="store_true", help="exit 4 if wrinkles have fewer than 6 nodes each"

@@ -9,12 +9,15 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from cases.arguments import BAD_INPUT
 from cases.interrupt import Interruption
 from cases.problems import Problem, SceneError, did_you_mean, one_of, shown
 from cases.scene import Scene, load_scene, scene_names
 from cases.schema import LARGEST_NODES, SMALLEST_NODES
+
+if TYPE_CHECKING:
+    from cases.unstructured import AnySolution
 
 MOST_THREADS = 1024
 LARGEST_SEED = 2**63 - 1
@@ -48,11 +51,11 @@ def list_scenes(_: argparse.Namespace, __: Interruption) -> int:
 
 def run_scene(arguments: argparse.Namespace, interruption: Interruption) -> int:
     """Solve one scene by one method into one folder; the exit code is the status's."""
-    if arguments.accuracy is not None:
-        return _not_yet("--accuracy; give the number of nodes by --nodes")
     request = read_request(arguments, [arguments.method])
     method = request.methods[0]
     _check_fit(request.scene, method)
+    if arguments.accuracy is not None:
+        return _run_to_accuracy(arguments, request, interruption)
     out = out_folder(arguments.out, f"runs/{request.scene.name}-{method}")
     from cases.progress import display
     from cases.runner import run
@@ -71,6 +74,37 @@ def run_scene(arguments: argparse.Namespace, interruption: Interruption) -> int:
             progress=interruption.watch(progress),
             strict=arguments.strict,
         )
+    return _told(arguments, solution, out)
+
+
+def _run_to_accuracy(arguments: argparse.Namespace, request: Request, interruption: Interruption) -> int:
+    """Refine until the run's own error estimate is small enough."""
+    from cases.accuracy import read_accuracy, run_to_accuracy
+    from cases.progress import display
+
+    accuracy = read_accuracy(arguments.accuracy)
+    if request.nodes is not None:
+        message = "--accuracy chooses the nodes; give one of the two"
+        raise SceneError([Problem("", "--nodes", str(request.nodes), message)])
+    out = out_folder(arguments.out, f"runs/{request.scene.name}-{request.methods[0]}")
+    with display(arguments.quiet) as progress:
+        solution = run_to_accuracy(
+            request.scene,
+            request.methods[0],
+            accuracy,
+            seed=request.seed,
+            threads=request.threads,
+            tolerance=request.tolerance,
+            out=out,
+            force=arguments.force,
+            progress=interruption.watch(progress),
+            strict=arguments.strict,
+        )
+    return _told(arguments, solution, out)
+
+
+def _told(arguments: argparse.Namespace, solution: AnySolution, out: Path) -> int:
+    """Say how a run ended; the exit code is the status's."""
     for warning in solution.warnings:
         print(f"wrinkle: warning: {warning}", file=sys.stderr)
     code = solution.status.exit_code
@@ -224,15 +258,10 @@ def out_folder(given: str | None, default: str) -> Path:
     return path
 
 
-def _not_yet(what: str) -> int:
-    print(f"wrinkle: not part of this version yet: {what}", file=sys.stderr)
-    return BAD_INPUT
-
-
 def _again(arguments: argparse.Namespace) -> str:
     """The command that continues an interrupted run."""
     words = ["wrinkle", "run", arguments.scene, "--method", arguments.method]
-    for option in ("nodes", "seed", "threads", "tol", "out"):
+    for option in ("nodes", "accuracy", "seed", "threads", "tol", "out"):
         value = getattr(arguments, option)
         if value is not None and (option, value) not in (("seed", "0"), ("threads", "1")):
             words += [f"--{option}", value]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from cases.methods import METHODS
 from cases.probe import ProbeError, measure_section, sample_section
 from cases.schema import Scene
 from fdsolver.result import Solution
 
 # a force or moment below this part of the largest one, or of the sheet's stiffness, is one that balances to zero
-INSIGNIFICANT, BALANCED = 1e-6, 1e-9
+INSIGNIFICANT, BALANCED = 1e-4, 1e-9
 SLACK = 0
 PARTS = ("total", "membrane", "bending")
 
@@ -17,6 +18,7 @@ PARTS = ("total", "membrane", "bending")
 def quantities(solution: Solution, scene: Scene) -> dict[str, float]:
     """Energies, reactions, extreme stretches, heights and section measures; empty if a position is not finite.
 
+    Sections are measured for methods that resolve wrinkles: what others have there is interpolation between nodes.
     Left out are components of reactions that are zero but for rounding, energies that a model lacks, heights of plane
     sheets, and the smallest stretch of a sheet with slack zones, where stretches are not unique.
     """
@@ -32,7 +34,8 @@ def quantities(solution: Solution, scene: Scene) -> dict[str, float]:
     if not (zone.state == SLACK).any():
         found["stretch.minor_min"] = float(zone.stretch_minor.min())
     found |= _heights(solution)
-    for name, line in scene.sections.items():
+    method = METHODS.get(solution.method)
+    for name, line in scene.sections.items() if method is not None and method.wrinkles else ():
         try:
             section = sample_section(solution.grid, solution.r, line)
         except ProbeError:

@@ -86,8 +86,12 @@ def test_commands_of_later_versions_say_so(here, capsys, command):
         (["run", "annulus", "more", "--method", "koiter"], "unrecognized arguments: more"),
         (["run", "annulus", "--method", "koitr"], '"exact"; did you mean "koiter"?'),
         (
-            ["run", "annulus", "--method", "koiter", "--accuracy", "1%"],
-            "not part of this version yet: --accuracy",
+            ["run", "annulus", "--method", "koiter", "--accuracy", "1%", "--nodes", "900"],
+            "--nodes = 900: --accuracy chooses the nodes; give one of the two",
+        ),
+        (
+            ["run", "annulus", "--method", "koiter", "--accuracy", "most"],
+            '--accuracy = "most": must be a relative error from 0.0001% to 50%, as 1% or 0.01',
         ),
         (
             ["run", "anulus", "--method", "koiter"],
