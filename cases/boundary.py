@@ -14,17 +14,21 @@ from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.model import Model
 from fdsolver.problem import Problem
+from fdsolver.symmetry import Symmetry
 
 
 def grid_of(scene: Scene) -> Callable[[int], Grid]:
     """Node count -> mesh of the scene's sheet."""
     sheet, bias = scene.sheet, scene.mesh.bias
+    sectors = scene.symmetry.reduce.partition("sector:")[2]
     # Without a bias of its own a scene gets the default of its shape.
     options = {} if bias is None else {"bias": bias}
 
     def grid(nodes: int) -> Grid:
         if isinstance(sheet, AnnulusSheet):
-            return meshes.annulus(sheet.inner_radius_mm, sheet.outer_radius_mm, nodes, **options)
+            return meshes.annulus(
+                sheet.inner_radius_mm, sheet.outer_radius_mm, nodes, sectors=int(sectors or 1), **options
+            )
         if isinstance(sheet, HoleSheet):
             return meshes.rectangle_with_hole(
                 sheet.width_mm, sheet.height_mm, sheet.hole_radius_mm, nodes, **options
@@ -48,6 +52,18 @@ def edges_of(scene: Scene) -> dict[str, EdgeCondition]:
     }
 
 
+def symmetry_of(scene: Scene) -> Symmetry | None:
+    """What the scene assumes its state to keep; None for the whole sheet."""
+    reduce, parity = scene.symmetry.reduce, scene.symmetry.parity
+    if reduce == "none":
+        return None
+    if reduce == "axisymmetric":
+        return Symmetry("sector", parity)
+    if reduce.startswith("sector:"):
+        return Symmetry("sector", parity, int(reduce.partition(":")[2]))
+    return Symmetry(reduce, parity)
+
+
 def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
     """The boundary-value problem of a scene.
 
@@ -64,6 +80,7 @@ def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
         perturbation=perturbation,
         seed=seed,
         initial=_initial(scene),
+        symmetry=symmetry_of(scene),
     )
 
 
@@ -83,5 +100,7 @@ def _initial(scene: Scene) -> tuple[Grid, np.ndarray] | None:
 
     solution = load_result(source)
     if isinstance(solution, FiniteElementSolution):
-        raise ResultError(f"The result in {source} is one of finite elements; a run starts from a structured mesh.")
+        raise ResultError(
+            f"The result in {source} is one of finite elements; a run starts from a structured mesh."
+        )
     return solution.grid, solution.r

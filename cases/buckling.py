@@ -20,8 +20,8 @@ from cases.finite_elements import (
     supports_of,
     zone_fields,
 )
-from cases.methods import tension_length_mm
 from cases.schema import AnnulusSheet, Scene
+from cases.survey import tension_length_mm
 from cases.unstructured import FiniteElementMesh, FiniteElementSolution
 from fdsolver.result import Status
 

@@ -6,8 +6,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from cases import effects
 from cases.boundary import grid_of, problem_of, sheet_of
-from cases.schema import AnnulusSheet, Scene
+from cases.schema import Effects, Scene
+from cases.survey import tension_length_mm
 from cases.unstructured import AnySolution
 from fdsolver.checkpoint import Checkpoint
 from fdsolver.model import KOITER, MEMBRANE, Model
@@ -41,7 +43,7 @@ class Method:
     name : on the command line. title : for tables. bending, wrinkles : whether its energy has bending,
         whether it resolves
     single wrinkles. tolerance : default residual. solve : Task -> solution. finite_elements : whether its nodes are
-        the scene's `mesh.vertices`.
+        the scene's `mesh.vertices`. model : what is relaxed, all effects on, where effects may be left out of it.
     """
 
     name: str
@@ -51,20 +53,18 @@ class Method:
     tolerance: float
     solve: Callable[[Task], AnySolution]
     finite_elements: bool = False
+    model: Callable[[], Model] | None = None
 
 
-def _tension_field(task: Task) -> Solution:
+def _tension_field() -> Model:
     from tensionfield.relaxed import TENSION_FIELD
 
-    return _relaxed_by(TENSION_FIELD, task)
+    return TENSION_FIELD
 
 
-def _membrane(task: Task) -> Solution:
-    return _relaxed_by(MEMBRANE, task)
-
-
-def _koiter(task: Task) -> Solution:
-    return _relaxed_by(KOITER, task)
+def _with_effects(model: Callable[[], Model]) -> Callable[[Task], Solution]:
+    """The relaxation of a model without what the scene leaves out of it."""
+    return lambda task: _relaxed_by(effects.decide(task.scene, model())[0], task)
 
 
 def _published(task: Task) -> Solution:
@@ -101,12 +101,16 @@ def _postbuckling(task: Task) -> AnySolution:
         raise MethodError(str(reason)) from reason
 
 
+def _relaxation(name: str, title: str, plate: bool, tolerance: float, model: Callable[[], Model]) -> Method:
+    return Method(name, title, plate, plate, tolerance, _with_effects(model), model=model)
+
+
 METHODS = {
     method.name: method
     for method in (
-        Method("tension-field", "tension field (relaxed membrane)", False, False, 1e-8, _tension_field),
-        Method("membrane", "unrelaxed membrane", False, False, 1e-8, _membrane),
-        Method("koiter", "Koiter plate", True, True, 1e-6, _koiter),
+        _relaxation("tension-field", "tension field (relaxed membrane)", False, 1e-8, _tension_field),
+        _relaxation("membrane", "unrelaxed membrane", False, 1e-8, lambda: MEMBRANE),
+        _relaxation("koiter", "Koiter plate", True, 1e-6, lambda: KOITER),
         Method("koiter-published", "Koiter plate, published scheme", True, True, 1e-8, _published),
         Method("buckling", "buckling factors (finite elements)", True, False, 1e-8, _buckling, True),
         Method(
@@ -131,7 +135,7 @@ def choose(scene: Scene, name: str) -> tuple[Method, str]:
     """
     why = ""
     if name == "auto":
-        name, why = _automatic(scene)
+        name, why = effects.choose_method(scene)
     if name not in METHODS:
         raise MethodError(f"There is no method {name!r}; there are auto, {', '.join(METHODS)}.")
     _refuse_options(scene, METHODS[name])
@@ -205,37 +209,32 @@ def _refuse_options(scene: Scene, method: Method) -> None:
     from_mode = (scene.start.source or "").startswith("mode:")
     later = {
         f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none"
-        and method.name != "postbuckling",
+        and method.name != "postbuckling"
+        and method.model is None,
         f"start.from = {scene.start.source!r}": from_mode and method.name not in ("koiter", "postbuckling"),
         f"start.from = {scene.start.source!r} by {method.name}": method.name
         in ("exact", "buckling", "postbuckling")
         and scene.start.source is not None
         and not (from_mode and method.name == "postbuckling"),
-        "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate",
-        "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off",
-        "effects.bending = 'off' with a plate": scene.effects.bending == "off" and method.bending,
+        "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate" and method.model is None,
+        "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off" and method.model is None,
+        "effects.bending = 'off' with a plate": scene.effects.bending == "off"
+        and method.bending
+        and method.model is None,
         "effects.strain_gradient = 'off' with a plate": scene.effects.strain_gradient == "off"
-        and method.bending,
+        and method.bending
+        and method.model is None,
     }
     if from_mode and method.name == "koiter" and (reason := why_unfit(scene, "buckling")):
         raise MethodError(f"start.from = {scene.start.source!r} has no mode to start from: {reason}.")
     asked = [key for key, is_asked in later.items() if is_asked]
     if asked:
-        raise MethodError(f"{' and '.join(asked)} cannot be solved yet; it comes with a later version.")
-
-
-def _automatic(scene: Scene) -> tuple[str, str]:
-    """Koiter if the mesh can carry the wrinkles that a scaling law predicts, tension field otherwise."""
-    strain = _nominal_strain(scene)
-    if strain == 0.0:
-        return "koiter", "auto chose koiter: no edge moves, so nothing says that the sheet wrinkles."
-    wavelength = predicted_wavelength(scene, strain)
-    area = float(grid_of(scene)(scene.mesh.nodes).zone_area.mean())
-    per_wrinkle = wavelength / math.sqrt(area)
-    predicted = f"wrinkles of about {wavelength:.3g} mm, {per_wrinkle:.2g} nodes each"
-    if per_wrinkle >= FEWEST_NODES_PER_WRINKLE:
-        return "koiter", f"auto chose koiter: the mesh resolves the expected {predicted}."
-    return "tension-field", f"auto chose tension-field: the mesh cannot resolve the expected {predicted}."
+        raise MethodError(f"{' and '.join(asked)} cannot be solved by {method.name}.")
+    if method.model is not None and (scene.symmetry.reduce != "none" or scene.effects != Effects()):
+        try:
+            effects.decide(scene, method.model())
+        except effects.EffectError as reason:
+            raise MethodError(str(reason)) from reason
 
 
 def predicted_wavelength(scene: Scene, strain: float) -> float:
@@ -260,15 +259,6 @@ def _nominal_strain(scene: Scene) -> float:
     return max(moves, default=0.0) / tension_length_mm(scene)
 
 
-def tension_length_mm(scene: Scene) -> float:
-    """Length along which the sheet is pulled: between its most distant supports, or between the circles."""
-    sheet = scene.sheet
-    if isinstance(sheet, AnnulusSheet):
-        return sheet.smallest_width_mm
-    upright = {"bottom", "top"} & {name for name, edge in scene.edges.items() if edge.support != "free"}
-    return sheet.height_mm if upright else sheet.width_mm
-
-
 def with_numbers(scene: Scene, method: Method, nodes: int | None, tolerance: float | None) -> Scene:
     """The scene with the node count and the tolerance that will be used."""
     chosen = tolerance if tolerance is not None else scene.solver.tolerance
@@ -291,13 +281,11 @@ def _kinematics(method: Method) -> str:
     return "finite rotations and strains"
 
 
-def effects_of(method: Method) -> dict[str, dict[str, object]]:
-    """Which effects the method's model has, in the form of result.json; sizes are not measured."""
-    why = f"the model of {method.name}"
-    unmeasured = {"size": None, "justified": None}
-    return {
-        "out_of_plane": {"on": True, "why": why, **unmeasured},
-        "bending": {"on": method.bending, "why": why, **unmeasured},
-        "strain_gradient": {"on": method.bending, "why": why, **unmeasured},
-        "kinematics": {"on": True, "why": _kinematics(method), **unmeasured},
-    }
+def effects_of(method: Method, solution: AnySolution, scene: Scene) -> effects.Effects:
+    """The effects of a finished run; those that were left out are audited where the method leaves any out."""
+    if method.model is None or not isinstance(solution, Solution):
+        return effects.of_method(method.name, method.bending, _kinematics(method))
+    from cases.audit import audit
+
+    model, decided = effects.decide(scene, method.model())
+    return audit(solution, scene, model, decided)

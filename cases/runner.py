@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from cases.effects import Effects, as_document, not_justified
 from cases.folders import recover
 from cases.methods import FEWEST_NODES_PER_WRINKLE, MethodError, Task, choose, effects_of, with_numbers
 from cases.results import (
@@ -57,7 +58,7 @@ def run(
     resume : also continue a run that ended at a step or time limit. force : replace a different result in
         `out`.
     progress : called now and then by the engine. strict : less than 6 nodes per wrinkle is the status
-        under_resolved.
+        under_resolved, an effect wrongly left out the status not_justified.
 
     Raises MethodError, FolderRefused, CheckpointError (nothing is written) and StorageError (what was there
     is unchanged).
@@ -75,12 +76,13 @@ def run(
         checkpoint = _open(out, resolved, identity, fresh=force and not resume)
     solution = chosen.solve(Task(resolved, seed, threads, progress, checkpoint))
     probes = probe(solution, resolved)
-    solution = _judged(solution, resolved, probes, why, strict)
+    effects = effects_of(chosen, solution, resolved)
+    solution = _judged(solution, resolved, probes, effects, why, strict)
     if out is not None and not (solution.status is Status.INTERRUPTED and _has_result(out)):
         # An interrupted run never takes the place of a finished one; its checkpoint is there to go on.
         unfinished = solution.status in UNFINISHED
         write_result(
-            out, solution, resolved, probes, effects_of(chosen), identity, keep_checkpoint=unfinished
+            out, solution, resolved, probes, as_document(effects), identity, keep_checkpoint=unfinished
         )
     return solution
 
@@ -190,9 +192,11 @@ def _open(out: Path, scene: Scene, identity: str, fresh: bool) -> Checkpoint:
     return checkpoint
 
 
-def _judged(solution: AnySolution, scene: Scene, probes: Probes, why: str, strict: bool) -> AnySolution:
-    """Add what the scene and the probes say: assumptions, the choice of `auto`, wrinkles that the mesh does
-    not carry.
+def _judged(
+    solution: AnySolution, scene: Scene, probes: Probes, effects: Effects, why: str, strict: bool
+) -> AnySolution:
+    """Add what the scene, the probes and the audit say: assumptions, the choice of `auto`, wrinkles that the mesh
+    does not carry, effects that should not have been left out.
     """
     warnings = list(solution.warnings)
     if why:
@@ -208,4 +212,8 @@ def _judged(solution: AnySolution, scene: Scene, probes: Probes, why: str, stric
         )
         if strict and status.exit_code in (0, 3):
             status, message = Status.UNDER_RESOLVED, Status.UNDER_RESOLVED.sentence
+    wrong = not_justified(effects)
+    warnings += [f"leaving out {name} is not justified: {effects[name].why}" for name in wrong]
+    if wrong and strict and status.exit_code in (0, 3):
+        status, message = Status.NOT_JUSTIFIED, Status.NOT_JUSTIFIED.sentence
     return replace(solution, status=status, message=message, warnings=tuple(warnings))

@@ -27,12 +27,14 @@ def is_axisymmetric(problem: Problem, model: Model) -> bool:
 def mean_round(grid: Grid, field: np.ndarray) -> np.ndarray:
     """The axisymmetric part of a vector field on an annulus.
 
-    field : (3, ni, nj) float64, Cartesian components. Returns the same shape: radial, circumferential and axial
+    field : (3, ni, nj), in the plane (2, ni, nj), float64, Cartesian components. Returns the same shape: radial,
+    circumferential and axial
     components averaged over the rows (the angle) of the mesh.
     """
     angle = np.arctan2(grid.u[..., 1], grid.u[..., 0])
     cosine, sine = np.cos(angle), np.sin(angle)
     radial = np.mean(field[0] * cosine + field[1] * sine, axis=0)
     around = np.mean(field[1] * cosine - field[0] * sine, axis=0)
-    axial = np.broadcast_to(np.mean(field[2], axis=0), cosine.shape)
-    return np.stack([radial * cosine - around * sine, radial * sine + around * cosine, axial])
+    plane = [radial * cosine - around * sine, radial * sine + around * cosine]
+    axial = [np.broadcast_to(np.mean(part, axis=0), cosine.shape) for part in field[2:]]
+    return np.stack([*plane, *axial])

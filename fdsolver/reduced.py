@@ -18,7 +18,7 @@ from fdsolver.plate_linear import stiffness_bound
 from fdsolver.problem import Problem
 from fdsolver.relax import State, residual
 from fdsolver.rows import compiled
-from fdsolver.symmetry import Reduction, reduction
+from fdsolver.symmetry import Reduction, reduction, rigid_shift
 
 MODULI = (
     (0, 1, 2, 3, 4, 5),
@@ -136,7 +136,10 @@ def reduced_force(force: Force, cut: Reduction) -> ReducedForce:
 
 
 class ReducedLevel(Level):
-    """A problem on the part of a mesh that its symmetry leaves; positions go in and come out on the whole mesh."""
+    """A problem on the part of a mesh that its symmetry leaves; positions go in and come out on the whole mesh.
+
+    shift : (3,) mm, between the symmetric sheet that is solved and the sheet as it is held (`rigid_shift`).
+    """
 
     force: ReducedForce
 
@@ -144,6 +147,7 @@ class ReducedLevel(Level):
         assert problem.symmetry is not None
         self.problem, self.model, self.project = problem, model, None
         self.cut = reduction(grid, problem.symmetry)
+        self.shift = rigid_shift(problem.symmetry, problem.edges)
         self.whole = Level(replace(problem, symmetry=None), model, grid, threads)
         self.grid = self.cut.part
         self.force = self.examined = reduced_force(self.whole.force, self.cut)
@@ -165,7 +169,7 @@ class ReducedLevel(Level):
 
     def scaled(self, r: np.ndarray) -> np.ndarray:
         """The engine's positions (components, ni, nj) on the part, of (ni, nj, 3) in mm on the whole mesh."""
-        place = super().scaled(self.cut.restrict(r))
+        place = super().scaled(self.cut.restrict(r - self.shift))
         for axis, line, component in self.cut.held:
             if component < len(place):
                 (place[component] if axis == 0 else place[component].T)[line] = 0.0
@@ -174,7 +178,7 @@ class ReducedLevel(Level):
 
     def unscaled(self, r: np.ndarray) -> np.ndarray:
         """Positions (ni, nj, 3) in mm on the whole mesh."""
-        return self.cut.unfold(super().unscaled(r))
+        return self.cut.unfold(super().unscaled(r)) + self.shift
 
     def start(self) -> np.ndarray:
         """The whole sheet's start, made symmetric by leaving out all but the part."""

@@ -97,19 +97,39 @@ def refuse_unsymmetric(
             if edge.support != "free" and max(abs(move) for move in edge.move_mm[:2]) > ROUND * length_mm:
                 raise ValueError(f"the edge {name} moves sideways, which no sector of an annulus does")
         return
+    shift = rigid_shift(symmetry, edges)
     for axis in symmetry.axes:
         for name, edge in edges.items():
             other = OPPOSITE[axis].get(name, name)
-            if not _mirrored(edge, edges[other], axis, symmetry.parity, ROUND * length_mm):
+            if not _mirrored(edge, edges[other], shift, axis, symmetry.parity, ROUND * length_mm):
                 pair = f"the edge {name} is" if other == name else f"the edges {name} and {other} are"
                 raise ValueError(f"{pair} not loaded symmetrically about {axis} = 0 ({symmetry.parity})")
 
 
-def _mirrored(edge: EdgeCondition, other: EdgeCondition, axis: str, parity: str, tiny: float) -> bool:
+def rigid_shift(symmetry: Symmetry, edges: Mapping[str, EdgeCondition]) -> np.ndarray:
+    """The translation (3,), mm, of the sheet as a whole, without which its loads have the symmetry if they have it.
+
+    A sheet that is pulled at one edge only moves by half of that pull.
+    """
+    shift = np.zeros(3)
+    for axis in symmetry.axes:
+        for name, edge in edges.items():
+            if edge.support != "free":
+                other = edges[OPPOSITE[axis].get(name, name)]
+                mean = 0.5 * (np.array(edge.move_mm) + np.array(other.move_mm))
+                odd = np.diag(mirror(axis, symmetry.parity)) < 0.0
+                shift[odd] = mean[odd]
+                break
+    return shift
+
+
+def _mirrored(
+    edge: EdgeCondition, other: EdgeCondition, shift: np.ndarray, axis: str, parity: str, tiny: float
+) -> bool:
     if edge.support == other.support == "free":
         return True
-    image = mirror(axis, parity) @ np.array(edge.move_mm)
-    same = np.abs(image - np.array(other.move_mm)).max() <= tiny
+    image = mirror(axis, parity) @ (np.array(edge.move_mm) - shift)
+    same = np.abs(image - np.array(other.move_mm) + shift).max() <= tiny
     turned = edge.rotate_deg == -other.rotate_deg and edge.grow_mm == other.grow_mm
     return edge.support == other.support and bool(same) and turned
 

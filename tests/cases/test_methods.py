@@ -53,7 +53,6 @@ def test_the_published_scheme_is_for_rectangles() -> None:
         ("exact", "start.from", "runs/other"),
         ("koiter", "effects.kinematics", "moderate"),
         ("koiter", "effects.out_of_plane", "off"),
-        ("koiter", "effects.bending", "off"),
         ("koiter", "effects.strain_gradient", "off"),
     ],
 )

@@ -1,0 +1,141 @@
+"""What a coarse tension-field solve tells of a scene before it is solved: where it is wrinkled, and with which waves.
+
+The relaxed membrane has no bending, so its stress does not depend on the thickness and is found on a coarse mesh in a
+moment. From it follow the share of the sheet that is wrinkled or slack, and the wavelength and energy that wrinkles of
+the real thickness will have (Cerda and Mahadevan 2003): with the tension T along the wrinkles, their length l and the
+shortening d across them,
+
+    wavelength = 2 sqrt(pi) (D / T)^(1/4) l^(1/2),      energy per area = 2 D (2 pi / wavelength)^2 d,
+
+half of it bending and half the stretching that keeps the waves short.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cases.boundary import edges_of, grid_of, sheet_of
+from cases.scene_text import scene_toml
+from cases.schema import AnnulusSheet, Scene
+from fdsolver.fields import SLACK, WRINKLED, principal_strains, zone_gradient
+from fdsolver.grid import Grid
+from fdsolver.material import Sheet
+from fdsolver.model import Model
+from fdsolver.problem import Problem
+from fdsolver.relax import Settings
+from fdsolver.result import Solution, Status
+
+NODES = 1500  # of the coarse mesh: shares of the area to a few percent, which is all that is asked of it
+TOLERANCE = 1e-5
+MOST_SECONDS = 20.0
+FLAT_LOAD = 1e-12  # out-of-plane movement of an edge, over the sheet's size, below which it is none
+
+
+@dataclass(frozen=True)
+class Wrinkles:
+    """Wrinkles to expect from a state of the membrane.
+
+    wavelength_mm : typical one, area-weighted; infinite where nothing wrinkles. energy_N_mm : of all wrinkles.
+    """
+
+    wavelength_mm: float
+    energy_N_mm: float
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What the coarse solve found. wrinkled, slack : shares of the area. slope : largest slope of the sheet, dy/dx.
+
+    converged : whether the coarse solve did. least_tension : smallest minor over largest major principal stress of the
+    membrane before relaxation: positive where the whole sheet is safely tense.
+    """
+
+    solution: Solution
+    wrinkled: float
+    slack: float
+    slope: float
+    least_tension: float
+    wrinkles: Wrinkles
+    converged: bool
+
+
+def loads_in_plane(scene: Scene) -> bool:
+    """Whether every supported edge stays in the plane of the sheet."""
+    size = scene.sheet.size_mm
+    moves = [abs(edge.move_mm[2]) for edge in scene.edges.values() if edge.support != "free"]
+    # edges that all move alike out of the plane carry the plane with them, but the sheet starts below
+    return max(moves, default=0.0) <= FLAT_LOAD * size
+
+
+def tension_length_mm(scene: Scene) -> float:
+    """Length along which the sheet is pulled: between its most distant supports, or between the circles."""
+    sheet = scene.sheet
+    if isinstance(sheet, AnnulusSheet):
+        return sheet.smallest_width_mm
+    upright = {"bottom", "top"} & {name for name, edge in scene.edges.items() if edge.support != "free"}
+    return sheet.height_mm if upright else sheet.width_mm
+
+
+def survey(scene: Scene) -> Survey:
+    """Solve the scene's tension field on a coarse mesh, once per scene."""
+    bare = replace(scene, sections={}, paths={}, name="survey", title="")
+    key = scene_toml(bare)
+    if key not in _SURVEYS:
+        if len(_SURVEYS) >= _MOST_KEPT:
+            _SURVEYS.pop(next(iter(_SURVEYS)))
+        _SURVEYS[key] = _solve(scene)
+    return _SURVEYS[key]
+
+
+_SURVEYS: dict[str, Survey] = {}
+_MOST_KEPT = 32
+
+
+def _solve(scene: Scene) -> Survey:
+    from fdsolver.multilevel import solve
+    from tensionfield.relaxed import TENSION_FIELD
+
+    make = grid_of(scene)
+    model: Model = replace(TENSION_FIELD, out_of_plane=not loads_in_plane(scene))
+    problem = Problem(sheet_of(scene), edges_of(scene), make(NODES), make, perturbation=0.0)
+    settings = Settings(tolerance=TOLERANCE, levels=1, max_seconds=MOST_SECONDS)
+    solution = solve(problem, model, settings)
+    area, state = solution.grid.zone_area, solution.zone.state
+    total = area.sum()
+    gradient = zone_gradient(solution.grid, solution.r)
+    slope = np.hypot(gradient[2, 0], gradient[2, 1])
+    major, minor = principal_strains(gradient)
+    nu = solution.sheet.poisson
+    across = (minor + nu * major) / (1.0 - nu**2)
+    along = (major + nu * minor) / (1.0 - nu**2)
+    return Survey(
+        solution,
+        wrinkled=float(area[state == WRINKLED].sum() / total),
+        slack=float(area[state == SLACK].sum() / total),
+        slope=float(slope.max()),
+        least_tension=float(across.min() / max(float(np.abs(along).max()), 1e-300)),
+        wrinkles=wrinkles_of(solution.grid, solution.sheet, solution.r, tension_length_mm(scene)),
+        converged=solution.status is Status.CONVERGED,
+    )
+
+
+def wrinkles_of(grid: Grid, sheet: Sheet, r: np.ndarray, length_mm: float) -> Wrinkles:
+    """Wrinkles that bending makes of a state of the membrane, relaxed or not.
+
+    r : (ni, nj, 3) mm. length_mm : of the wrinkles, along the tension.
+    """
+    major, minor = principal_strains(zone_gradient(grid, r))
+    nu = sheet.poisson
+    shortening = np.maximum(-(minor + nu * np.maximum(major, 0.0)), 0.0)
+    wrinkled = (major > 0.0) & (shortening > 0.0)
+    if not wrinkled.any():
+        return Wrinkles(math.inf, 0.0)
+    tension = sheet.young_MPa * sheet.thickness_mm * major[wrinkled]
+    ratio = sheet.bending_stiffness_N_mm / tension
+    wavelength = 2.0 * math.sqrt(math.pi) * ratio**0.25 * math.sqrt(length_mm)
+    weight = grid.zone_area[wrinkled] * shortening[wrinkled]
+    energy = 2.0 * sheet.bending_stiffness_N_mm * (2.0 * math.pi / wavelength) ** 2 * weight
+    return Wrinkles(float(np.average(wavelength, weights=weight)), float(energy.sum()))

@@ -1,0 +1,162 @@
+"""Effects of scenes: what `auto` decides from cheap calculations, what is refused, what the audit says afterwards."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from cases import load_scene, run
+from cases.audit import audit
+from cases.effects import EffectError, choose_method, decide, not_justified
+from cases.methods import METHODS, MethodError, choose, effects_of
+from cases.results import read_document
+from cases.schema import Scene
+from cases.survey import loads_in_plane, survey, wrinkles_of
+from fdsolver import meshes
+from fdsolver.material import Sheet
+from fdsolver.model import KOITER, MEMBRANE
+from fdsolver.result import Solution, Status
+from tensionfield.relaxed import TENSION_FIELD
+
+
+def solved(name: str, method: str, **changes: object) -> tuple[Solution, Scene]:
+    scene = load_scene(name, {"mesh.nodes": 600, **changes})
+    solution = run(scene, method=method)
+    assert isinstance(solution, Solution)
+    return solution, scene
+
+
+def test_loads_in_the_plane_do_not_make_a_plate_planar() -> None:
+    """A stretched sheet wrinkles; a membrane that is relaxed, or not perturbed, stays in its plane."""
+    scene = load_scene("stretch", {"mesh.nodes": 600, "start.perturbation": 0.0})
+    assert loads_in_plane(scene)
+    plate, effects = decide(scene, KOITER)
+    assert plate.out_of_plane
+    assert effects["out_of_plane"].size == pytest.approx(survey(scene).wrinkled, abs=0.05)
+    assert "may buckle" in effects["out_of_plane"].why
+    for model in (TENSION_FIELD, MEMBRANE):
+        assert not decide(scene, model)[0].out_of_plane
+
+
+def test_a_plate_without_compression_is_planar_and_the_audit_proves_it() -> None:
+    solution, scene = solved("strip-tension", "koiter")
+    model, effects = decide(scene, KOITER)
+    assert not model.out_of_plane
+    assert solution.stability["stable"] is True
+    judged = audit(solution, scene, model, effects)
+    assert judged["out_of_plane"].justified == "justified"
+    assert judged["out_of_plane"].size == pytest.approx(
+        1.0, abs=0.1
+    )  # tension holds the plane as stiffly as bending
+    assert not not_justified(judged)
+
+
+def test_a_lifted_sheet_is_in_space() -> None:
+    for model in (KOITER, TENSION_FIELD, MEMBRANE):
+        chosen, effects = decide(load_scene("annulus-lift"), model)
+        assert chosen.out_of_plane
+        assert "moves out of the plane" in effects["out_of_plane"].why
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "sentence"),
+    [
+        ("effects.out_of_plane", "off", "moves out of the plane"),
+        ("effects.strain_gradient", "off", "normal of the flat sheet"),
+        ("effects.kinematics", "moderate", "normal of the flat sheet"),
+        ("symmetry.reduce", "quarter", "not loaded symmetrically"),
+        ("symmetry.reduce", "sector:7777", "needs at least"),
+    ],
+)
+def test_what_cannot_be_left_out_is_refused(key: str, value: str, sentence: str) -> None:
+    with pytest.raises(MethodError, match=sentence):
+        choose(load_scene("annulus", {key: value, "mesh.nodes": 600}), "koiter")
+
+
+def test_a_steep_sheet_is_refused_by_its_number() -> None:
+    scene = load_scene("annulus-lift", {"effects.kinematics": "moderate"})
+    # lifted by twice its width the sheet rises with at least that slope somewhere
+    lift = {"edges.inner.move_mm": [0, 0, 2.0 * scene.sheet.smallest_width_mm]}
+    with pytest.raises(EffectError, match="above 0.2"):
+        decide(load_scene("annulus-lift", {"effects.kinematics": "moderate", **lift}), KOITER)
+
+
+def test_the_unwrinkled_compressed_state_is_not_justified(tmp_path) -> None:
+    """`membrane` on a stretched sheet is a saddle: strictly that is a status of its own."""
+    scene = load_scene("stretch", {"mesh.nodes": 600})
+    solution = run(scene, method="membrane", strict=True, out=tmp_path / "run")
+    assert solution.status is Status.NOT_JUSTIFIED
+    effects = read_document(tmp_path / "run")["effects"]
+    assert effects["out_of_plane"]["justified"] == "not justified"
+    assert effects["out_of_plane"]["size"] < 0.0
+    assert effects["bending"]["justified"] == "not justified"
+    assert any("out_of_plane is not justified" in warning for warning in solution.warnings)
+    assert run(scene, method="membrane").status is Status.CONVERGED
+
+
+def test_relaxed_membranes_are_convex_and_bending_is_judged_by_the_wrinkles() -> None:
+    """The verdict on bending follows the thickness; the tension field itself does not know it."""
+    verdicts = {}
+    for thickness in (1e-4, 5.0):
+        solution, scene = solved("hole", "tension-field", **{"sheet.thickness_mm": thickness})
+        effects = effects_of(METHODS["tension-field"], solution, scene)
+        assert effects["out_of_plane"].justified == "justified"
+        verdicts[thickness] = effects["bending"]
+    assert verdicts[1e-4].justified == "justified"
+    assert verdicts[5.0].justified == "not justified"
+    # energy per volume goes with D k^2 / h ~ h^2 (T / D)^(1/2) ~ h
+    sizes = [verdicts[h].size or 0.0 for h in (1e-4, 5.0)]
+    assert sizes[1] / sizes[0] == pytest.approx(5.0 / 1e-4, rel=1e-6)
+
+
+def test_predicted_wrinkles_of_a_uniform_shortening() -> None:
+    """Closed form: a sheet pulled by e and pushed across by d more than it contracts (Cerda and Mahadevan 2003)."""
+    grid, sheet = meshes.rectangle(100.0, 50.0, 400), Sheet(1000.0, 0.3, 0.1)
+    pull, push = 0.01, 0.02
+    green = math.sqrt(1 + 2 * pull), math.sqrt(1 - 2 * push)
+    r = np.pad(grid.u * green, ((0, 0), (0, 0), (0, 1)))
+    found = wrinkles_of(grid, sheet, r, 100.0)
+    ratio = sheet.bending_stiffness_N_mm / (1000.0 * 0.1 * pull)
+    wavelength = 2 * math.sqrt(math.pi) * ratio**0.25 * math.sqrt(100.0)
+    assert found.wavelength_mm == pytest.approx(wavelength, rel=1e-12)
+    short = push - 0.3 * pull
+    energy = 2 * sheet.bending_stiffness_N_mm * (2 * math.pi / wavelength) ** 2 * short * 100.0 * 50.0
+    assert found.energy_N_mm == pytest.approx(energy, rel=1e-12)
+
+
+def test_auto_chooses_the_model_by_what_wrinkles() -> None:
+    thin = load_scene("hole", {"mesh.nodes": 2000, "sheet.thickness_mm": 1e-4})
+    assert choose_method(thin)[0] == "tension-field"
+    assert "cannot resolve" in choose_method(thin)[1]
+    thick = load_scene("stretch", {"mesh.nodes": 20_000})
+    assert choose_method(thick)[0] == "koiter"
+
+
+def test_a_flat_plate_has_no_use_for_its_effects() -> None:
+    solution, scene = solved("strip-tension", "koiter", **{"effects.out_of_plane": "on"})
+    effects = effects_of(METHODS["koiter"], solution, scene)
+    assert effects["bending"].on
+    assert "did nothing" in effects["bending"].why
+
+
+def test_a_reduced_scene_gives_the_whole_sheet() -> None:
+    whole, _ = solved("hole", "tension-field")
+    part, scene = solved("hole", "tension-field", **{"symmetry.reduce": "quarter"})
+    assert part.grid.nodes == whole.grid.nodes
+    # both stop at a residual of 1e-8 per cell, on some forty cells across
+    assert part.energy_N_mm["total"] == pytest.approx(whole.energy_N_mm["total"], rel=1e-8)
+    np.testing.assert_allclose(part.zone.stretch_major, whole.zone.stretch_major, rtol=0, atol=1e-4)
+    effects = effects_of(METHODS["tension-field"], part, scene)
+    assert not effects["symmetry"].on
+    assert effects["symmetry"].justified == "justified"
+
+
+def test_a_state_with_an_excluded_mode_is_not_justified() -> None:
+    """The flat compressed membrane of a quarter model buckles as the whole one does."""
+    solution, scene = solved("stretch", "membrane", **{"symmetry.reduce": "quarter"})
+    effects = effects_of(METHODS["membrane"], solution, scene)
+    assert effects["symmetry"].justified == "not justified"
+    assert dataclasses.asdict(effects["symmetry"])["size"] < 0.0
