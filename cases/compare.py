@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cases.cross_check import DIFFERENCES, ELEMENTS, cross_check
 from cases.files import json_text
 from cases.methods import MethodError, choose, methods_of
 from cases.probe import Columns, measure_section
 from cases.results import Probes, probe
 from cases.runner import run
 from cases.schema import Scene
-from cases.unstructured import AnySolution
+from cases.unstructured import AnySolution, FiniteElementSolution
 from fdsolver.checkpoint import write_atomically
 from fdsolver.relax import Progress
-from fdsolver.result import Status
+from fdsolver.result import Solution, Status
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,7 +38,8 @@ class Comparison:
         not run.
     table : one row per method. differences : one row per quantity and method, with its unit, the value, the
         reference's value and the difference (of fields along paths: the relative L2 and the largest
-        difference, slack places masked).
+        difference, slack places masked). Wrinkles by finite elements are also held against those by finite differences,
+        with the error estimates of both.
     """
 
     reference: str
@@ -108,7 +110,11 @@ def _compared(scene: Scene, solutions: Mapping[str, AnySolution], refused: Mappi
         if name != reference
         for row in difference_rows(solutions[name], probes[name], solutions[reference], probes[reference])
     ]
+    elements, grid = solutions.get(ELEMENTS), solutions.get(DIFFERENCES)
+    if isinstance(elements, FiniteElementSolution) and isinstance(grid, Solution):
+        differences += cross_check(scene, elements, probes[ELEMENTS], grid)
     columns = ["quantity", "unit", "method", "reference", "value", "reference_value", "difference"]
+    columns += ["error", "reference_error"]
     return Comparison(
         reference, solutions, refused, pd.DataFrame(table), pd.DataFrame(differences, columns=columns)
     )

@@ -17,8 +17,8 @@ DEFAULT_VERTICES = 5329  # 73 x 73: a quarter sheet of 36 x 36 elements
 # Sheets with more wrinkles than this side by side are solved when asked for, but not offered.
 MOST_HALF_WAVES = 30
 _ALONG_PULL = 2.0  # elements are this many times as long along a pull as across it
-# Nodes gather at the ends, where supports meet free edges: elements there are this part shorter than the mean.
-_GRADING = 0.5
+# Nodes gather a little at the ends, where supports meet free edges: elements there are this part shorter.
+_GRADING = 0.2
 
 
 def unfit(scene: Scene) -> str | None:

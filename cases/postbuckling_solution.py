@@ -14,6 +14,7 @@ from cases.boundary import sheet_of
 from cases.envelope import envelope
 from cases.mesh_sequence import mesh_limit
 from cases.probe import measure_section
+from cases.quantities import INSIGNIFICANT
 from cases.schema import Scene
 from cases.unstructured import FiniteElementSolution
 from fdsolver.result import Reaction, Status, ZoneFields
@@ -58,22 +59,26 @@ def whole_of(level: Postbuckled, rigid_move_mm: np.ndarray) -> Whole:
     return Whole(energy, q, parts, gained, level)
 
 
-def measured(scene: Scene, whole: Whole) -> dict[str, tuple[float, str]]:
-    """What is compared between meshes and methods, with units: energies, reactions, measures of each section."""
-    membrane, bending = whole.parts
-    found = {"membrane energy": (float(membrane), "N mm"), "bending energy": (float(bending), "N mm")}
+def measured(scene: Scene, whole: Whole) -> dict[str, float]:
+    """What is compared between meshes and methods, by keys of result.json: energies, reactions, sections."""
+    membrane, bending = (float(part) for part in whole.parts)
+    found = {"energy_N_mm.total": membrane + bending, "energy_N_mm.bending": bending}
     if whole.gained_N_mm is not None:
-        found["energy gained by wrinkling"] = (whole.gained_N_mm, "N mm")
-    for name, reaction in reactions_of(scene, whole).items():
-        found[f"{name} force"] = (float(np.linalg.norm(reaction.force_N)), "N")
+        found["energy_N_mm.gained"] = whole.gained_N_mm
+    reactions = reactions_of(scene, whole)
+    largest = max((float(np.abs(reaction.force_N).max()) for reaction in reactions.values()), default=0.0)
+    for name, reaction in reactions.items():
+        for axis, force in zip("xyz", reaction.force_N.tolist(), strict=True):
+            if abs(force) > INSIGNIFICANT * largest:
+                found[f"reactions.{name}.force_N.{axis}"] = force
     for name, line in scene.sections.items():
         section = sample_field(whole.energy.mesh, whole.q, line)
         measures = measure_section(section, scene.sheet.thickness_mm)
-        found[f"{name} amplitude"] = (measures.amplitude_mm, "mm")
-        found[f"{name} rms"] = (measures.rms_mm, "mm")
-        found[f"{name} envelope"] = (float(envelope(section.z).max()), "mm")
-        if measures.wavelength_mm is not None:
-            found[f"{name} wavelength"] = (measures.wavelength_mm, "mm")
+        for key in ("amplitude_mm", "rms_mm", "wavelength_mm"):
+            if value := getattr(measures, key):
+                found[f"sections.{name}.{key}"] = value
+        if measures.amplitude_mm > 0.0:
+            found[f"sections.{name}.envelope_mm"] = float(envelope(section.z).max())
     return found
 
 
@@ -93,13 +98,11 @@ def errors_of(scene: Scene, levels: Sequence[Whole]) -> tuple[dict[str, Any], ..
     values = [measured(scene, whole) for whole in levels]
     elements = [math.prod(len(axis) - 1 for axis in whole.energy.mesh.breaks) for whole in levels]
     entries = []
-    for name, (finest, unit) in values[-1].items():
-        column = [level[name][0] for level in values if name in level]
+    for name, finest in values[-1].items():
+        column = [level[name] for level in values if name in level]
         if len(column) < 2 or len(column) < len(levels):
             continue
-        entries.append(
-            {"quantity": name, "value": finest, "unit": unit, "iteration": None, **_error(elements, column)}
-        )
+        entries.append({"quantity": name, "value": finest, "iteration": None, **_error(elements, column)})
     return tuple(entries)
 
 
