@@ -32,6 +32,9 @@ NEUTRAL = 1e-6  # above minus this an eigenvalue is zero: wrinkles slide and fol
 PROBE = 1e-7  # size of the displacement, in L, whose change of force gives K v
 
 MOST_KICKS = 4
+FINEST = 1e-10  # tolerance below which no kicked state need come to rest
+KICKED_TOLERANCE = 1e-5  # a state that was kicked once comes to rest at a tenth of it
+FLAT_TOLERANCE = 1e-7  # of a flat state that is examined: the compression that wrinkles thin sheets is small
 PLANAR = 0.01  # out-of-plane displacement / thickness below which a state is flat
 CONVEX = "the relaxed energy is convex"
 EXACT = "lowest eigenvalue of the out-of-plane tangent of the flat sheet, against that of the sheet without compression"
@@ -149,6 +152,21 @@ def _orthogonalise(q, previous, at_rest, moved, probe, coupling, mass, inverse, 
     return along, np.sqrt(twice_kinetic_in_space(image, mass))
 
 
+def _relax_to_examine(
+    level: Level, state: State, settings: Settings, on_block: Callable[[State], None] | None
+) -> Status:
+    """Relax to the tolerance at which the state can be examined; see `relax_to_stable`."""
+    tolerance = settings.tolerance
+    if state.kicks:
+        tolerance = min(tolerance, max(KICKED_TOLERANCE * 0.1**state.kicks, FINEST))
+    status = relax_or_finish(level, state, replace(settings, tolerance=tolerance), on_block)
+    height = PLANAR * level.problem.sheet.thickness_mm / level.grid.length_mm
+    flat = level.model.buckles and len(state.r) == 3 and np.ptp(state.r[2]) <= height
+    if status is Status.CONVERGED and flat and tolerance > FLAT_TOLERANCE:
+        status = relax_or_finish(level, state, replace(settings, tolerance=FLAT_TOLERANCE), on_block)
+    return status
+
+
 def _examine(level: Level, state: State, flat: float) -> Stability:
     """`examine` the state of a level; one that is computed in the plane, in space."""
     if len(state.r) == 3:
@@ -167,13 +185,14 @@ def relax_to_stable(
 ) -> tuple[Status, dict[str, object]]:
     """Relax, examine, and leave an unstable equilibrium along its mode, until a stable one is found.
 
-    The kick is one thickness. Models that do not buckle are examined, not kicked. Returns the Status (of the last
+    The kick is one thickness. The tolerance falls with every kick: near a saddle the force is small far from the
+    equilibrium that is sought. Models that do not buckle are examined, not kicked. Returns the Status (of the last
     relaxation, INTERRUPTED, or UNSTABLE_FLAT when kicks do not move a flat sheet) and the verdict
     {"stable", "how", "lowest"}.
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
-        status = relax_or_finish(level, state, settings, on_block)
+        status = _relax_to_examine(level, state, settings, on_block)
         if level.model.relaxed:
             return status, {"stable": True, "how": CONVEX, "lowest": None}
         if status is not Status.CONVERGED:

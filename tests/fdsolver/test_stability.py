@@ -251,3 +251,38 @@ def test_an_interrupted_examination_can_be_made_again() -> None:
         assert (status, verdict["stable"]) == (Status.CONVERGED, True)
         np.testing.assert_array_equal(state.r, whole.r)
         assert state.history == whole.history
+
+
+# The tolerance of what is examined
+
+
+def test_a_flat_state_is_not_called_stable_before_its_compression_has_grown() -> None:
+    """At a residual of 1e-4 the pulled silicone strip looks flat and stable; it wrinkles (Zheng 2009)."""
+    sheet = Sheet(young_MPa=1.0, poisson=0.5, thickness_mm=0.1)
+    grid = meshes.rectangle(101.6, 254.0, 2000, bias=1.0)
+    edges = {"bottom": EdgeCondition("pinned"), "top": EdgeCondition("pinned", move_mm=(0.0, 25.4, 0.0))}
+    level = Level(Problem(sheet, edges, grid, lambda n: grid, perturbation=1e-12), KOITER, grid, threads=1)
+    state = begin(level.start())
+    status, verdict = relax_to_stable(level, state, Settings(tolerance=1e-4))
+    assert status is Status.CONVERGED and verdict["stable"] is True
+    assert np.ptp(state.r[2]) * grid.length_mm > 0.5 * sheet.thickness_mm
+
+
+def test_the_tolerance_falls_with_every_kick(monkeypatch: pytest.MonkeyPatch) -> None:
+    level = strip(2.0 * EULER)
+    asked: list[float] = []
+
+    def relax(*arguments: Any) -> Status:
+        asked.append(arguments[2].tolerance)
+        return Status.CONVERGED
+
+    bump = np.zeros((3, level.grid.ni, level.grid.nj))
+    bump[2, 1:-1] = 1.0
+    unstable = stability.Stability(False, -1.0, "planted", 0, bump)
+    monkeypatch.setattr(stability, "relax_or_finish", relax)
+    monkeypatch.setattr(stability, "examine", lambda *_: unstable)
+    relax_to_stable(level, begin(level.start() + bump), Settings(tolerance=1e-4))
+    assert asked == pytest.approx([1e-4, 1e-6, 1e-7, 1e-8, 1e-9], rel=1e-12)
+    asked.clear()
+    relax_to_stable(level, begin(level.start() + bump), Settings(tolerance=3e-9))
+    assert asked == pytest.approx([3e-9, 3e-9, 3e-9, 3e-9, 1e-9], rel=1e-12)
