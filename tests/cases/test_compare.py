@@ -173,7 +173,8 @@ def test_without_names_all_methods_of_the_scene_are_run(faked: Fake) -> None:
     for name in METHODS:
         solution = replace(made_solution(meshes.rectangle(100.0, 50.0, 400)), method=name)
         faked(lambda task, solution=solution: solution, name)
-    assert set(compare(load_scene("strip-tension"), nodes=400).solutions) == set(METHODS)
+    # strips this thin would have very many wrinkles, if they had any: postbuckling must be asked for
+    assert set(compare(load_scene("strip-tension"), nodes=400).solutions) == set(METHODS) - {"postbuckling"}
     assert set(compare(load_scene("stretch"), nodes=400).solutions) == set(METHODS) - {"exact"}
 
 

@@ -1,0 +1,105 @@
+"""The wrinkled strip by finite elements: its own convergence, and agreement with the finite differences."""
+
+from __future__ import annotations
+
+import pytest
+
+from cases import load_scene, run
+from cases.bicubic import sample_bicubic_section
+from cases.energy_gained import energy_gained, flat_state
+from cases.envelope import envelope
+from cases.mesh_sequence import MeshLimit, mesh_limit
+from cases.probe import Section, measure_section, sample_section
+
+PULLS = {5: 12.7, 10: 25.4, 20: 50.8}  # per cent: mm
+ELEMENTS = (4000, 7000, 12000)
+DIFFERENCES = (7500, 15000, 30000, 60000)
+UNITS = {
+    "bending energy": "N mm",
+    "energy gained by wrinkling": "N mm",
+    "reaction": "N",
+    "envelope": "mm",
+    "rms": "mm",
+    "wavelength": "mm",
+}
+
+
+def strip(percent: int):
+    return load_scene(
+        "stretch", {"edges.top.move_mm": [0.0, PULLS[percent], 0.0], "solver.max_seconds": 3600.0}
+    )
+
+
+def profile(section: Section, thickness_mm: float) -> dict[str, float]:
+    measures = measure_section(section, thickness_mm)
+    return {
+        "envelope": float(envelope(section.z).max()),
+        "rms": measures.rms_mm,
+        "wavelength": measures.wavelength_mm or 0.0,
+    }
+
+
+def by_elements(verify, percent: int, vertices: int) -> tuple[int, dict[str, float]]:
+    scene = strip(percent)
+    folder = verify.folder(f"stretch-{percent}-postbuckling-{vertices}")
+    solution = run(scene, "postbuckling", nodes=vertices, out=folder)
+    verify.equal(
+        f"status on {vertices} vertices", solution.status.value, "converged", "else nothing to judge"
+    )
+    verify.equal(
+        f"stable on {vertices} vertices", solution.stability["stable"], True, "wrinkles, not a saddle"
+    )
+    verify.note(f"CPU seconds on {vertices} vertices", solution.cpu_seconds, "s")
+    section = sample_bicubic_section(solution, scene.sections["midsection"])
+    return solution.grid.zones, {
+        "bending energy": solution.energy_N_mm["bending"],
+        "energy gained by wrinkling": solution.energy_N_mm["gained"],
+        "reaction": float(solution.reactions["top"].force_N[1]),
+        **profile(section, scene.sheet.thickness_mm),
+    }
+
+
+def by_differences(verify, percent: int, nodes: int) -> tuple[int, dict[str, float]]:
+    scene = strip(percent)
+    solution = run(scene, "koiter", nodes=nodes, out=verify.folder(f"stretch-{percent}-koiter-{nodes}"))
+    verify.equal(f"status on {nodes} nodes", solution.status.value, "converged", "else nothing to judge")
+    section = sample_section(solution.grid, solution.r, scene.sections["midsection"])
+    return solution.grid.zones, {
+        "bending energy": solution.energy_N_mm["bending"],
+        "energy gained by wrinkling": energy_gained(solution, flat_state(scene, nodes)),
+        "reaction": float(solution.reactions["top"].force_N[1]),
+        **profile(section, scene.sheet.thickness_mm),
+    }
+
+
+def limits(found: list[tuple[int, dict[str, float]]]) -> dict[str, MeshLimit]:
+    zones = [count for count, _ in found]
+    return {name: mesh_limit(zones, [values[name] for _, values in found]) for name in UNITS}
+
+
+@pytest.mark.parametrize("percent", PULLS)
+def test_both_methods_converge_to_the_same_wrinkles(verify, percent):
+    """Pulled strip: wrinkles on three meshes of finite elements and four of finite differences"""
+    elements = [by_elements(verify, percent, vertices) for vertices in ELEMENTS]
+    differences = [by_differences(verify, percent, nodes) for nodes in DIFFERENCES]
+    before, finest = elements[-2][1], elements[-1][1]
+    for name in ("envelope", "rms"):
+        verify.below(
+            f"relative change of the {name} between the two finest meshes of elements",
+            abs(finest[name] / before[name] - 1.0),
+            limit=5e-3,
+            reason="what the finite elements promise",
+        )
+    ours, theirs = limits(elements), limits(differences)
+    for name, unit in UNITS.items():
+        verify.note(f"{name} by finite elements", finest[name], unit)
+        verify.note(f"{name} by finite elements, error", ours[name].error_of_finest, unit)
+        verify.note(f"{name} by finite differences, limit", theirs[name].value, unit)
+        verify.note(f"{name} by finite differences, error", theirs[name].band, unit)
+        bars = ours[name].error_of_finest + theirs[name].band
+        verify.below(
+            f"{name}: difference of the methods over the sum of their error bars",
+            abs(finest[name] - theirs[name].value) / bars,
+            limit=1.0,
+            reason="the same energy has one equilibrium",
+        )
