@@ -32,7 +32,7 @@ def unfit(scene: Scene) -> str | None:
 
 def default_vertices(scene: Scene) -> int:
     """Vertices for factors good to about 0.1 % on the built-in scenes."""
-    return 3000 if isinstance(scene.sheet, HoleSheet) else 2000
+    return 2500 if isinstance(scene.sheet, HoleSheet) else 1500
 
 
 def sheet_mesh(scene: Scene, vertices: int, rectangles: bool = False) -> SheetMesh:

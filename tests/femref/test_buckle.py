@@ -165,3 +165,15 @@ def test_meshes_cover_the_sheet_and_map_onto_themselves(sheet) -> None:
 
     image = cKDTree(sheet.mesh.p.T).query((sheet.mesh.p * [[-1.0], [1.0]]).T)[1]
     assert {tuple(sorted(cell)) for cell in image[sheet.mesh.t].T.tolist()} == ordered
+
+
+def test_a_pinned_circle_allows_what_vanishes_on_the_circle() -> None:
+    """w = r^2 - R^2 is zero on the circle, not on its facets: its value and derivatives at the vertices stay free."""
+    sheet = annulus(62.5, 250.0, 100)
+    space = PlateSpace(sheet, KAPTON, {"outer": "pinned"})
+    x, y = sheet.mesh.p
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    wanted = np.zeros(space.basis.N)
+    wanted[space.basis.dofs.nodal_dofs] = [x * x + y * y - 1.0, 2 * x, 2 * y, 2 * one, zero, 2 * one]
+    kept = space.free @ (space.free.T @ wanted)
+    assert np.abs(kept - wanted).max() < 1e-12  # a projection onto orthonormal columns, to rounding
