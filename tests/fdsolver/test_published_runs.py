@@ -70,7 +70,9 @@ def test_cells_three_times_longer_along_the_pull_end_in_a_checkerboard_that_is_n
     known = solve(problem, KOITER, FINE)
     healed = solve(problem, published_model("stabilised"), FINE)
     assert known.hourglass["out_of_plane"] < 0.1 and healed.hourglass["out_of_plane"] < 0.2
-    assert rms(healed) == pytest.approx(rms(known), rel=0.02)
+    # with 51 nodes along the pull the two schemes' own errors are some per cent; the checkerboard was three times off
+    assert rms(healed) == pytest.approx(rms(known), rel=0.04)
+    assert rms(found) > 2.0 * rms(known)
 
 
 def test_a_checkerboard_that_only_begins_is_named_too() -> None:
