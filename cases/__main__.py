@@ -59,6 +59,10 @@ def _command(arguments: argparse.Namespace, interruption: Interruption) -> int:
         from cases.hard_command import hard
 
         return hard(arguments, interruption)
+    if arguments.command == "plan":
+        from cases.plan_command import plan_scene
+
+        return plan_scene(arguments, interruption)
     from cases import commands
 
     run = {

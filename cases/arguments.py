@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 LATER = {
-    "plan": "effects, wavelength, nodes and cost of a scene before it is solved",
     "cost": "error against time for every method and mesh",
 }
 BAD_INPUT = 2
@@ -81,6 +80,11 @@ def build() -> tuple[Parser, dict[str, Parser]]:
         "report": _report(
             commands.add_parser("report", help="all scenes, all methods: index.html and report.pdf")
         ),
+        "plan": _plan(
+            commands.add_parser(
+                "plan", help="effects, wavelength, nodes and cost of a scene before it is solved"
+            )
+        ),
         "study": _study(
             commands.add_parser("study", help="a parameter study: one result per point, one table")
         ),
@@ -108,7 +112,9 @@ def _run(parser: Parser) -> Parser:
         "--accuracy", metavar="1%", help="choose nodes and tolerance for this estimated error"
     )
     parser.add_argument(
-        "--strict", action="store_true", help="exit 4 if wrinkles have fewer than 6 nodes each"
+        "--strict",
+        action="store_true",
+        help="exit 4 if wrinkles have fewer than 6 nodes or an effect was wrongly left out",
     )
     parser.add_argument("--out", metavar="DIR", help="result folder (default: runs/SCENE-METHOD)")
     parser.add_argument(
@@ -141,6 +147,17 @@ def _report(parser: Parser) -> Parser:
     parser.add_argument("--scenes", metavar="A,B,..", help="only these scenes, separated by commas")
     parser.add_argument("--out", metavar="DIR", help="folder (default: report)")
     parser.add_argument("--quiet", action="store_true", help="no progress display")
+    return parser
+
+
+def _plan(parser: Parser) -> Parser:
+    _scene(parser)
+    parser.add_argument(
+        "--method", default="auto", metavar="M", help="tension-field, membrane, koiter or auto (default)"
+    )
+    parser.add_argument(
+        "--accuracy", metavar="1%", help="relative error of the energy that the mesh must allow"
+    )
     return parser
 
 

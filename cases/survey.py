@@ -79,14 +79,14 @@ def tension_length_mm(scene: Scene) -> float:
     return sheet.height_mm if upright else sheet.width_mm
 
 
-def survey(scene: Scene) -> Survey:
-    """Solve the scene's tension field on a coarse mesh, once per scene."""
+def survey(scene: Scene, nodes: int = NODES) -> Survey:
+    """Solve the scene's tension field on a coarse mesh, once per scene and process."""
     bare = replace(scene, sections={}, paths={}, name="survey", title="")
-    key = scene_toml(bare)
+    key = f"{nodes} {scene_toml(bare)}"
     if key not in _SURVEYS:
         if len(_SURVEYS) >= _MOST_KEPT:
             _SURVEYS.pop(next(iter(_SURVEYS)))
-        _SURVEYS[key] = _solve(scene)
+        _SURVEYS[key] = _solve(scene, nodes)
     return _SURVEYS[key]
 
 
@@ -94,13 +94,13 @@ _SURVEYS: dict[str, Survey] = {}
 _MOST_KEPT = 32
 
 
-def _solve(scene: Scene) -> Survey:
+def _solve(scene: Scene, nodes: int) -> Survey:
     from fdsolver.multilevel import solve
     from tensionfield.relaxed import TENSION_FIELD
 
     make = grid_of(scene)
     model: Model = replace(TENSION_FIELD, out_of_plane=not loads_in_plane(scene))
-    problem = Problem(sheet_of(scene), edges_of(scene), make(NODES), make, perturbation=0.0)
+    problem = Problem(sheet_of(scene), edges_of(scene), make(nodes), make, perturbation=0.0)
     settings = Settings(tolerance=TOLERANCE, levels=1, max_seconds=MOST_SECONDS)
     solution = solve(problem, model, settings)
     area, state = solution.grid.zone_area, solution.zone.state

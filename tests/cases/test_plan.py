@@ -1,0 +1,79 @@
+"""`wrinkle plan`: what a scene calls for and will cost, held against runs of it."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from cases import load_scene, run
+from cases import plan as planning
+from cases.__main__ import main
+from cases.methods import MethodError
+from cases.plan import lines, plan, rate
+from tensionfield.relaxed import TENSION_FIELD
+
+
+def test_the_mesh_has_eight_nodes_per_wrinkle_and_the_accuracy() -> None:
+    scene = load_scene("stretch", {"mesh.nodes": 2000})
+    found = plan(scene, "koiter", accuracy=1e-5)
+    assert found.nodes_for_wrinkles is not None and found.nodes_for_accuracy is not None
+    assert found.nodes >= max(found.nodes_for_wrinkles, found.nodes_for_accuracy)
+    area = scene.sheet.width_mm * scene.sheet.height_mm
+    assert found.wavelength_mm / math.sqrt(area / found.nodes_for_wrinkles) == pytest.approx(8.0, rel=0.01)
+    finer = plan(scene, "koiter", accuracy=1e-6)
+    # second order: a tenth of the error takes ten times the nodes
+    assert finer.nodes_for_accuracy == pytest.approx(10 * found.nodes_for_accuracy, rel=0.01)
+
+
+def test_the_foretold_accuracy_is_reached() -> None:
+    """Against a much finer mesh; the aim of a plan is a factor of two."""
+    scene = load_scene("hole")
+    accuracy = 4e-4  # at coarser ones the smallest mesh is more than enough
+    nodes = plan(scene, "tension-field", accuracy=accuracy).nodes
+    assert nodes > 600
+    energies = [
+        run(load_scene("hole", {"mesh.nodes": count}), method="tension-field").energy_N_mm["total"]
+        for count in (nodes, 9 * nodes)
+    ]
+    assert 0.5 * accuracy < abs(energies[0] / energies[1] - 1.0) * 9 / 8 < 2.0 * accuracy
+
+
+def test_coarse_meshes_and_unsuitable_sheets_are_warned_of() -> None:
+    found = plan(load_scene("annulus", {"mesh.nodes": 2000}), "koiter")
+    assert any("do not resolve" in warning for warning in found.warnings)
+    assert any("nodes per wrinkle" in line for line in lines(found))
+    assert not plan(load_scene("strip-tension", {"mesh.nodes": 2000}), "tension-field").warnings
+
+
+def test_symmetry_and_effects_cost_less() -> None:
+    whole = plan(load_scene("hole"), "tension-field")
+    quarter = plan(load_scene("hole", {"symmetry.reduce": "quarter"}), "tension-field")
+    assert quarter.cpu_seconds == pytest.approx(0.25 * whole.cpu_seconds, rel=0.1)
+    assert quarter.memory_MB < whole.memory_MB
+    plate = plan(load_scene("hole"), "koiter")
+    assert plate.memory_MB > whole.memory_MB
+
+
+def test_the_rate_is_measured_once(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(planning, "_cache_file", lambda: tmp_path / "rates.json")
+    first = rate(TENSION_FIELD)
+    assert json.loads((tmp_path / "rates.json").read_text()) == {"Relaxed 3 none finite": first}
+    (tmp_path / "rates.json").write_text(json.dumps({"Relaxed 3 none finite": 123.0}))
+    assert rate(TENSION_FIELD) == 123.0
+    (tmp_path / "rates.json").write_text("{damaged")
+    assert rate(TENSION_FIELD) > 1e4  # measured again
+
+
+def test_methods_without_a_foretold_cost_are_refused() -> None:
+    with pytest.raises(MethodError, match="not foretold; it is of tension-field, membrane, koiter"):
+        plan(load_scene("strip-tension"), "exact")
+
+
+def test_the_command_prints_the_plan(capsys) -> None:
+    assert main(["plan", "hole", "--accuracy", "2%"]) == 0
+    printed = capsys.readouterr().out
+    for word in ("method", "effect    out_of_plane", "wrinkles", "mesh", "CPU seconds"):
+        assert word in printed
+    assert main(["plan", "hole", "--set", "mesh.nodes=1"]) == 2
