@@ -45,8 +45,10 @@ def sheet_mesh(scene: Scene, vertices: int, rectangles: bool = False) -> SheetMe
     if isinstance(sheet, HoleSheet):
         return meshes.rectangle_with_hole(sheet.width_mm, sheet.height_mm, sheet.hole_radius_mm, vertices)
     cells = "rectangles" if rectangles else "triangles"
+    # cubics need more lines across the wrinkles than quintics
+    aspect = _aspect(scene) ** (2 if rectangles else 1)
     return meshes.rectangle(
-        sheet.width_mm, sheet.height_mm, vertices, grading=0.9, aspect=_aspect(scene), cells=cells
+        sheet.width_mm, sheet.height_mm, vertices, grading=0.9, aspect=aspect, cells=cells
     )
 
 
