@@ -103,3 +103,39 @@ def test_both_methods_converge_to_the_same_wrinkles(verify, percent):
             limit=1.0,
             reason="the same energy has one equilibrium",
         )
+
+
+def test_lifted_annulus(verify):
+    """Annulus lifted without a turn: finite elements against finite differences and the axisymmetric membrane"""
+    scene = load_scene("annulus-lift")
+    exact = run(scene, "exact", out=verify.folder("annulus-lift-exact"))
+    found = run(scene, "postbuckling", nodes=1200, out=verify.folder("annulus-lift-postbuckling"))
+    bending = []
+    for nodes in (2500, 5000, 10000):
+        solution = run(scene, "koiter", nodes=nodes, out=verify.folder(f"annulus-lift-koiter-{nodes}"))
+        verify.equal(f"status on {nodes} nodes", solution.status.value, "converged", "else nothing to judge")
+        bending.append((solution.grid.zones, solution.energy_N_mm["bending"]))
+    verify.equal("status", found.status.value, "converged", "else nothing to judge")
+    for name, value, wanted in (
+        ("energy", found.energy_N_mm["total"], exact.energy_N_mm["total"]),
+        (
+            "pull of the inner circle",
+            found.reactions["inner"].force_N[2],
+            exact.reactions["inner"].force_N[2],
+        ),
+    ):
+        verify.below(
+            f"relative difference of the {name} from the axisymmetric membrane",
+            abs(value / wanted - 1.0),
+            limit=2e-6,
+            reason="the strain of the Hermite arcs that stand for the circles; bending is 2e-8 of the energy",
+        )
+    limit = mesh_limit(*zip(*bending, strict=True))
+    verify.note("bending energy by finite elements", found.energy_N_mm["bending"], "N mm")
+    verify.note("bending energy by finite differences, limit", limit.value, "N mm")
+    verify.below(
+        "relative difference of the bending energies",
+        abs(found.energy_N_mm["bending"] / limit.value - 1.0),
+        limit=2e-3,
+        reason="the finest finite-difference mesh is 1.4e-3 from the finite elements",
+    )

@@ -134,3 +134,14 @@ def test_the_time_limit_stops_a_run(scene):
     short = load_scene("stretch", {"solver.max_seconds": 1e-3, "solver.levels": 1})
     solution = run(short, "postbuckling", nodes=500)
     assert solution.status is Status.TIME_LIMIT and "load was reached" in solution.message
+
+
+def test_a_lifted_annulus_has_the_energy_and_the_pull_of_the_boundary_value_problem():
+    """Without twist nothing wrinkles, and bending is 2e-8 of the energy: the axisymmetric membrane is the reference."""
+    scene = load_scene("annulus-lift", {"solver.levels": 1})
+    exact, found = run(scene, "exact"), run(scene, "postbuckling", nodes=500)
+    assert found.status is Status.CONVERGED and found.stability["stable"] is True
+    # thirty Hermite arcs stand for the circle: their strain of 1e-5 is small beside that of the lift
+    assert found.energy_N_mm["total"] == pytest.approx(exact.energy_N_mm["total"], rel=1e-5)
+    assert found.reactions["inner"].force_N[2] == pytest.approx(exact.reactions["inner"].force_N[2], rel=1e-5)
+    assert found.energy_N_mm["bending"] > 0.0
