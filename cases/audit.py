@@ -77,7 +77,9 @@ def _bending(effect: Effect, solution: Solution, scene: Scene, model: Model) -> 
     total = max(abs(solution.energy_N_mm["total"]), 1e-300)
     if effect.on:
         return _used(effect, solution.energy_N_mm["bending"] / total, "share of the energy")
-    wrinkles = wrinkles_of(solution.grid, solution.sheet, solution.r, tension_length_mm(scene))
+    wrinkles = wrinkles_of(
+        solution.grid, solution.sheet, solution.r, tension_length_mm(scene), model.moderate
+    )
     smooth = _smooth_bending(solution, scene, model)
     size = (wrinkles.energy_N_mm + smooth) / total
     stable = model.relaxed or solution.stability.get("stable") is not False

@@ -99,7 +99,8 @@ def _solve(scene: Scene, nodes: int) -> Survey:
     from tensionfield.relaxed import TENSION_FIELD
 
     make = grid_of(scene)
-    model: Model = replace(TENSION_FIELD, out_of_plane=not loads_in_plane(scene))
+    moderate = scene.effects.kinematics == "moderate"
+    model: Model = replace(TENSION_FIELD, out_of_plane=not loads_in_plane(scene), moderate=moderate)
     problem = Problem(sheet_of(scene), edges_of(scene), make(nodes), make, perturbation=0.0)
     settings = Settings(tolerance=TOLERANCE, levels=1, max_seconds=MOST_SECONDS)
     solution = solve(problem, model, settings)
@@ -107,7 +108,7 @@ def _solve(scene: Scene, nodes: int) -> Survey:
     total = area.sum()
     gradient = zone_gradient(solution.grid, solution.r)
     slope = np.hypot(gradient[2, 0], gradient[2, 1])
-    major, minor = principal_strains(gradient)
+    major, minor = principal_strains(gradient, moderate)
     nu = solution.sheet.poisson
     across = (minor + nu * major) / (1.0 - nu**2)
     along = (major + nu * minor) / (1.0 - nu**2)
@@ -117,17 +118,19 @@ def _solve(scene: Scene, nodes: int) -> Survey:
         slack=float(area[state == SLACK].sum() / total),
         slope=float(slope.max()),
         least_tension=float(across.min() / max(float(np.abs(along).max()), 1e-300)),
-        wrinkles=wrinkles_of(solution.grid, solution.sheet, solution.r, tension_length_mm(scene)),
+        wrinkles=wrinkles_of(solution.grid, solution.sheet, solution.r, tension_length_mm(scene), moderate),
         converged=solution.status is Status.CONVERGED,
     )
 
 
-def wrinkles_of(grid: Grid, sheet: Sheet, r: np.ndarray, length_mm: float) -> Wrinkles:
+def wrinkles_of(
+    grid: Grid, sheet: Sheet, r: np.ndarray, length_mm: float, moderate: bool = False
+) -> Wrinkles:
     """Wrinkles that bending makes of a state of the membrane, relaxed or not.
 
-    r : (ni, nj, 3) mm. length_mm : of the wrinkles, along the tension.
+    r : (ni, nj, 3) mm. length_mm : of the wrinkles, along the tension. moderate : kinematics of the strains.
     """
-    major, minor = principal_strains(zone_gradient(grid, r))
+    major, minor = principal_strains(zone_gradient(grid, r), moderate)
     nu = sheet.poisson
     shortening = np.maximum(-(minor + nu * np.maximum(major, 0.0)), 0.0)
     wrinkled = (major > 0.0) & (shortening > 0.0)

@@ -30,11 +30,15 @@ def zone_gradient(grid: Grid, r: np.ndarray) -> np.ndarray:
     return np.stack([d1 * g1x + d2 * g2x, d1 * g1y + d2 * g2y], axis=1)
 
 
-def principal_strains(gradient: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Principal Green strains E1 >= E2 of deformation gradients (3, 2, ...)."""
-    e11 = 0.5 * (np.sum(gradient[:, 0] ** 2, axis=0) - 1.0)
-    e22 = 0.5 * (np.sum(gradient[:, 1] ** 2, axis=0) - 1.0)
-    e12 = 0.5 * np.sum(gradient[:, 0] * gradient[:, 1], axis=0)
+def principal_strains(gradient: np.ndarray, moderate: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Principal strains E1 >= E2 of deformation gradients (3, 2, ...): Green's, or of moderate rotations."""
+    if moderate:
+        (f11, f12), (f21, f22), (w1, w2) = gradient
+        e11, e22, e12 = f11 - 1.0 + 0.5 * w1**2, f22 - 1.0 + 0.5 * w2**2, 0.5 * (f12 + f21 + w1 * w2)
+    else:
+        e11 = 0.5 * (np.sum(gradient[:, 0] ** 2, axis=0) - 1.0)
+        e22 = 0.5 * (np.sum(gradient[:, 1] ** 2, axis=0) - 1.0)
+        e12 = 0.5 * np.sum(gradient[:, 0] * gradient[:, 1], axis=0)
     mean, radius = 0.5 * (e11 + e22), np.hypot(0.5 * (e11 - e22), e12)
     return mean + radius, mean - radius
 
@@ -48,12 +52,13 @@ def zone_state(major: np.ndarray, minor: np.ndarray, poisson: float) -> np.ndarr
     return np.where(major > STRAIN_ROUNDING, wrinkled, SLACK).astype(np.int8)
 
 
-def zone_fields(grid: Grid, sheet: Sheet, r: np.ndarray, relaxed: bool) -> ZoneFields:
+def zone_fields(grid: Grid, sheet: Sheet, r: np.ndarray, relaxed: bool, moderate: bool = False) -> ZoneFields:
     """Principal stretches, principal 2nd Piola stresses (MPa) and states of all zones.
 
     r : (ni, nj, 3) float64, mm. relaxed : whether compression is relaxed away (tension field) or carried.
+    moderate : whether the strains are those of moderate rotations.
     """
-    major, minor = principal_strains(zone_gradient(grid, r))
+    major, minor = principal_strains(zone_gradient(grid, r), moderate)
     nu, young = sheet.poisson, sheet.young_MPa
     lateral = (minor + nu * major) / (1.0 - nu**2)
     tension = major

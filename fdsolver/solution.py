@@ -35,7 +35,7 @@ def assemble(
     f = np.zeros_like(run.state.r)
     membrane, bending, control = (level.force(run.state.r, f) * level.energy_unit).tolist()
     r = level.unscaled(run.state.r)
-    fields = zone_fields(grid, sheet, r, relaxed=model.relaxed)
+    fields = zone_fields(grid, sheet, r, model.relaxed, model.moderate)
     hourglass = hourglass_share(grid, r)
     status, folds = judge(status, grid, sheet.thickness_mm, r, fields, hourglass, model.relaxed)
     status, message = level.verdict(status, run.state.r)

@@ -84,6 +84,6 @@ def _as_state(solution: Solution, level: Level, positions: np.ndarray) -> Soluti
         residual=residual(f, level.weight),
         energy_N_mm={"total": membrane + bending + control, **parts},
         reactions=reactions(level.grid, problem.edges, positions, force),
-        zone=zone_fields(level.grid, problem.sheet, positions, relaxed=level.model.relaxed),
+        zone=zone_fields(level.grid, problem.sheet, positions, level.model.relaxed, level.model.moderate),
         snapshots={},
     )

@@ -107,7 +107,7 @@ def test_commands_of_later_versions_say_so(here, capsys, command):
         ),
         (
             ["run", "annulus", "--method", "koiter", "--set", "symmetry.reduce=half-x"],
-            "comes with a later version",
+            "is not loaded symmetrically",
         ),
         (
             ["run", "annulus", "--method", "koiter", "--set", "start.from=mode:1"],

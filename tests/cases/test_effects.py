@@ -160,3 +160,15 @@ def test_a_state_with_an_excluded_mode_is_not_justified() -> None:
     effects = effects_of(METHODS["membrane"], solution, scene)
     assert effects["symmetry"].justified == "not justified"
     assert dataclasses.asdict(effects["symmetry"])["size"] < 0.0
+
+
+def test_moderate_rotations_keep_the_wrinkles_that_finite_strains_lose() -> None:
+    """A strip pulled by 30 %: Green's strain leaves it no compression, the linear one does (Zheng 2009)."""
+    decided = {}
+    for kinematics in ("finite", "moderate"):
+        pulled = {"edges.top.move_mm": [0.0, 76.2, 0.0], "effects.kinematics": kinematics}
+        scene = load_scene("stretch", {"mesh.nodes": 600, **pulled})
+        decided[kinematics] = decide(scene, KOITER)[1]["out_of_plane"]
+    assert not decided["finite"].on
+    assert decided["moderate"].on
+    assert (decided["moderate"].size or 0.0) > 0.01

@@ -9,6 +9,7 @@ import pytest
 
 from fdsolver.curvature import curvature_constants
 from fdsolver.effects import Force, build_force
+from fdsolver.fields import zone_fields
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.model import KOITER, MEMBRANE, Model
@@ -160,3 +161,16 @@ def test_repeated_evaluations_are_the_same(model: str) -> None:
     again_force, again_energy = evaluate(kernel, state(grid))
     np.testing.assert_array_equal(again_force, force)
     np.testing.assert_array_equal(again_energy, energy)
+
+
+@pytest.mark.parametrize("name", ["jittered", "annulus"])
+def test_stresses_shown_are_those_of_the_kinematics(name: str) -> None:
+    """Energy of the zones' principal stresses and strains: that of the kernel."""
+    grid, r = MESHES[name], state(MESHES[name])
+    model = SPACE["moderate rotations, membrane"]
+    fields = zone_fields(grid, SHEET, r * grid.length_mm, relaxed=False, moderate=True)
+    major, minor = (0.5 * (stretch**2 - 1.0) for stretch in (fields.stretch_major, fields.stretch_minor))
+    # strains below -1/2 have no stretch; the state has none
+    density = 0.5 * (fields.stress_major * major + fields.stress_minor * minor) / SHEET.young_MPa
+    _, energy = evaluate(build_force(grid, SHEET, model, {}), r)
+    assert (density * grid.zone_area).sum() / grid.length_mm**2 == pytest.approx(energy[0], rel=1e-12)

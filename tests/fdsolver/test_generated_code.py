@@ -1,0 +1,101 @@
+"""An effect that is off costs nothing: it has left no operation, no branch and no array behind. Counted, not timed."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import numba
+import numpy as np
+import pytest
+
+from fdsolver import membrane, membrane_plane, meshes, plate_linear, plate_rows
+from fdsolver.effects import build_force
+from fdsolver.mass import nodal_masses
+from fdsolver.material import Sheet
+from fdsolver.membrane import StVenantKirchhoff
+from fdsolver.model import KOITER, MEMBRANE, Model
+from fdsolver.moderate import ModerateStVenantKirchhoff
+from fdsolver.rows import FAST
+
+SCRATCH, COLUMNS = numba.float64[::1], numba.uint64
+LAW, MODERATE = numba.typeof(StVenantKirchhoff(0.3)), numba.typeof(ModerateStVenantKirchhoff(0.3))
+ROWS = {
+    "membrane": (membrane.zone_row, (SCRATCH, LAW, COLUMNS)),
+    "moderate": (membrane.zone_row, (SCRATCH, MODERATE, COLUMNS)),
+    "plane": (membrane_plane.zone_row, (SCRATCH, LAW, COLUMNS)),
+    "full": (plate_rows.node_moment_row, (SCRATCH, numba.float64, COLUMNS)),
+    "linear": (plate_linear.node_moment_row, (SCRATCH, COLUMNS, SCRATCH)),
+    "linear, orthogonal": (plate_linear.node_moment_row, (SCRATCH, COLUMNS, numba.none)),
+}
+
+
+@pytest.fixture(scope="module")
+def unrolled() -> dict[str, str]:
+    """Optimised code of the rows, one node at a time: vectorisation off, so that operations can be counted."""
+    code = {}
+    before = numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE
+    numba.config.LOOP_VECTORIZE = numba.config.SLP_VECTORIZE = 0
+    try:
+        for name, (row, signature) in ROWS.items():
+            fresh = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)(row.py_func)
+            fresh.compile(signature)
+            code[name] = fresh.inspect_llvm(fresh.signatures[0])
+    finally:
+        numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE = before
+    return code
+
+
+def operations(code: str) -> int:
+    """Floating-point additions and multiplications."""
+    return len(re.findall(r"= f(?:add|sub|mul|div|neg)\b", code))
+
+
+def memory(code: str) -> int:
+    """Loads and stores of numbers."""
+    return len(re.findall(r"= load double|store double", code))
+
+
+def branches(code: str) -> int:
+    return len(re.findall(r"\bbr i1\b", code))
+
+
+@pytest.mark.parametrize(
+    ("less", "more", "share"),
+    [
+        # by hand: 24 of 36 products of the gradient and its adjoint, 5 of 9 of the strain, 8 of 12 of the stress
+        ("plane", "membrane", 0.75),
+        ("moderate", "membrane", 0.95),
+        # no normal, no cross products, one component instead of three
+        ("linear", "full", 0.5),
+        ("linear, orthogonal", "linear", 0.75),
+    ],
+)
+def test_leaving_an_effect_out_leaves_its_operations_out(
+    unrolled: dict[str, str], less: str, more: str, share: float
+) -> None:
+    assert operations(unrolled[more]) > 30  # the code is there to be counted
+    assert operations(unrolled[less]) < share * operations(unrolled[more])
+    assert memory(unrolled[less]) <= memory(unrolled[more])
+    assert branches(unrolled[less]) <= branches(unrolled[more])
+
+
+def test_no_array_of_an_effect_that_is_off() -> None:
+    grid = meshes.rectangle(20.0, 12.0, 500)
+    sheet = Sheet(3500.0, 0.31, 0.1)
+
+    def parts(model: Model) -> tuple[int, int, int, int]:
+        force = build_force(grid, sheet, model, {})
+        r = np.zeros((model.components, grid.ni, grid.nj))
+        r[:2] = np.moveaxis(grid.u, 2, 0) / grid.length_mm
+        node = 0 if force.node is None else len(force.node)
+        return len(r), len(nodal_masses(force, r, r, force.relaxed)), node, force.kernel.slots
+
+    plane = parts(dataclasses.replace(MEMBRANE, out_of_plane=False))
+    flat_plate = parts(dataclasses.replace(KOITER, out_of_plane=False))
+    space, linear, full = parts(MEMBRANE), parts(dataclasses.replace(KOITER, moderate=True)), parts(KOITER)
+    assert plane[:3] == flat_plate[:3] == (2, 3, 0)
+    assert space[:3] == (3, 6, 0)
+    assert linear[2] == 7  # on a rectangle: no coupling of the mixed curvature
+    assert full[2] == 8
+    assert plane[3] < space[3] < linear[3] < full[3]
