@@ -25,7 +25,7 @@ report: $(INSTALLED)
 	$(BIN)/wrinkle report --quick
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check .
