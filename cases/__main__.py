@@ -63,6 +63,10 @@ def _command(arguments: argparse.Namespace, interruption: Interruption) -> int:
         from cases.plan_command import plan_scene
 
         return plan_scene(arguments, interruption)
+    if arguments.command == "cost":
+        from cases.cost_command import cost_of_accuracy
+
+        return cost_of_accuracy(arguments, interruption)
     from cases import commands
 
     run = {
@@ -126,7 +130,7 @@ def _complain(sentences: Sequence[str], code: int) -> int:
 
 def _how_to_resume(words: Sequence[str]) -> str:
     again = shlex.join(["wrinkle", *words])
-    resumable = bool(words) and words[0] in ("run", "compare", "report", "study", "hard")
+    resumable = bool(words) and words[0] in ("run", "compare", "report", "study", "hard", "cost")
     return f"interrupted; finished results are kept, `{again}` goes on" if resumable else "interrupted"
 
 

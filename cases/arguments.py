@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 LATER = {
-    "cost": "error against time for every method and mesh",
 }
 BAD_INPUT = 2
 
@@ -85,6 +84,7 @@ def build() -> tuple[Parser, dict[str, Parser]]:
                 "plan", help="effects, wavelength, nodes and cost of a scene before it is solved"
             )
         ),
+        "cost": _cost(commands.add_parser("cost", help="error against time for every method and mesh")),
         "study": _study(
             commands.add_parser("study", help="a parameter study: one result per point, one table")
         ),
@@ -158,6 +158,16 @@ def _plan(parser: Parser) -> Parser:
     parser.add_argument(
         "--accuracy", metavar="1%", help="relative error of the energy that the mesh must allow"
     )
+    return parser
+
+
+def _cost(parser: Parser) -> Parser:
+    _scene(parser)
+    parser.add_argument("--methods", metavar="A,B,..", help="methods (default: all that fit)")
+    parser.add_argument("--nodes", metavar="N,M,..", help="meshes (default: 1000 to 64000)")
+    parser.add_argument("--seconds", metavar="S", help="time limit of each run (default: 120)")
+    parser.add_argument("--out", metavar="DIR", help="folder (default: runs/SCENE-cost)")
+    parser.add_argument("--quiet", action="store_true", help="no progress lines")
     return parser
 
 

@@ -183,7 +183,7 @@ def read_request(arguments: argparse.Namespace, methods: Sequence[str] | None) -
     seed = whole_number("--seed", arguments.seed, 0, LARGEST_SEED, problems)
     threads = whole_number("--threads", arguments.threads, 1, MOST_THREADS, problems)
     tolerance = _tolerance(arguments.tol, problems)
-    chosen = _methods(methods or (), problems)
+    chosen = method_names(methods or (), problems)
     if problems or scene is None:
         raise SceneError(problems)
     return Request(scene, chosen, nodes, seed or 0, threads or 1, tolerance)
@@ -216,7 +216,7 @@ def _tolerance(text: str | None, problems: list[Problem]) -> float | None:
     return None
 
 
-def _methods(words: Sequence[str], problems: list[Problem]) -> tuple[str, ...]:
+def method_names(words: Sequence[str], problems: list[Problem]) -> tuple[str, ...]:
     """Names of methods that exist."""
     if not words:
         return ()

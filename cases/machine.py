@@ -6,6 +6,7 @@ import hashlib
 import os
 import platform
 import sys
+from collections.abc import Sequence
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -61,12 +62,17 @@ def usable_cores() -> int:
 @cache
 def code() -> dict[str, str | None]:
     """Version of the project and a SHA-256 over the sources of its packages."""
+    return {"version": version_of("wrinklebench"), "source_sha256": source_digest(PACKAGES)}
+
+
+def source_digest(packages: Sequence[str]) -> str:
+    """SHA-256 over the sources of some of our packages, 64 hexadecimal digits."""
     digest = hashlib.sha256()
     top = Path(__file__).resolve().parents[1]
-    for package in PACKAGES:
+    for package in packages:
         for source in sorted((top / package).rglob("*.py")):
             digest.update(str(source.relative_to(top)).encode() + b"\0" + source.read_bytes() + b"\0")
-    return {"version": version_of("wrinklebench"), "source_sha256": digest.hexdigest()}
+    return digest.hexdigest()
 
 
 def peak_memory_MB() -> float | None:

@@ -26,14 +26,15 @@ class Point:
     """One solve of a study.
 
     name : of its result folder: what varies, in words, and eight digits of the identity of the solve.
-    scene : built-in name or path. changes : dotted scene keys -> values. refused : why it cannot be solved, or "".
+    scene : built-in name or path. changes : dotted scene keys -> values. nodes : None for the method's default.
+    refused : why it cannot be solved, or "".
     """
 
     name: str
     scene: str
     changes: Change
     method: str
-    nodes: int
+    nodes: int | None
     seed: int
     refused: str = ""
 
@@ -88,8 +89,10 @@ def unknown_methods(names: Sequence[str], where: str) -> list[Problem]:
 def _points_of(scene: Scene, source: str, change: Change, choices: Choices) -> Iterator[Point]:
     """The points of one choice of scene keys."""
     fitting = methods_of(scene)
-    for name, nodes in itertools.product(choices.methods or fitting, choices.nodes or (scene.mesh.nodes,)):
-        meshed = replace(scene, mesh=scene.mesh.model_copy(update={"nodes": nodes}))
+    for name, nodes in itertools.product(choices.methods or fitting, choices.nodes or (None,)):
+        meshed = scene
+        if nodes is not None:
+            meshed = replace(scene, mesh=scene.mesh.model_copy(update={"nodes": nodes}))
         method, refused = name, ""
         try:
             method = choose(meshed, name)[0].name
@@ -99,17 +102,19 @@ def _points_of(scene: Scene, source: str, change: Change, choices: Choices) -> I
             refused = str(reason)
         random = method in METHODS and METHODS[method].bending
         for seed in choices.seeds if random else choices.seeds[:1]:
-            title = _name(meshed, change, method, seed)
+            title = _name(scene, change, method, nodes, seed)
             yield Point(title, source, change, method, nodes, seed, refused)
 
 
-def _name(scene: Scene, change: Change, method: str, seed: int) -> str:
+def _name(scene: Scene, change: Change, method: str, nodes: int | None, seed: int) -> str:
     """A folder name that says what varies and is another one for another solve."""
-    resolved = with_numbers(scene, METHODS[method], None, None) if method in METHODS else scene
+    resolved = with_numbers(scene, METHODS[method], nodes, None) if method in METHODS else scene
+    mesh = resolved.mesh
+    count = mesh.vertices if method in METHODS and METHODS[method].finite_elements else mesh.nodes
     identity = scene_hash(resolved, method, seed=seed)[:8]
     words = [f"{key.rpartition('.')[2]}-{shown(value)}" for key, value in change.items()]
     plain = re.sub(r"[^A-Za-z0-9_.+-]+", "_", "-".join([method, *words])).replace("_-", "-").strip("_-.")
-    return f"{plain[:LONGEST_NAME]}-n{scene.mesh.nodes}-s{seed}-{identity}"
+    return f"{plain[:LONGEST_NAME]}-n{count}-s{seed}-{identity}"
 
 
 def _in_study(problem: Problem, where: str) -> Problem:

@@ -27,7 +27,7 @@ WRINKLED = 1
 
 def row(point: Point, out: Path) -> dict[str, Any]:
     """One row: the choices of a point, how it ended, and the numbers of its result (none if there is none)."""
-    chosen = {"point": point.name, "method": point.method, "nodes_asked": point.nodes, "seed": point.seed}
+    chosen = {"point": point.name, "method": point.method, "seed": point.seed}
     chosen |= {key: _cell(value) for key, value in point.changes.items()}
     document = result_of(point, out)
     ended = {"status": document["status"], "message": document["message"]}

@@ -1,0 +1,156 @@
+"""What accuracy costs: which runs, against what, which of them are worth their time."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pandas as pd
+import pytest
+
+import cases.cost
+import cases.cost_plan
+from cases.__main__ import main
+from cases.cost_plan import CostRun, options_of, plan, repeat
+from cases.cost_reference import Reference, quantities_of, references
+from cases.cost_table import Measured, cheapest, pareto, sentences
+from cases.scene import load_scene
+from cases.study_points import Point
+
+ENERGY = "energy_N_mm.total"
+
+
+def measured(method, nodes, seconds, error, option="", status="converged"):
+    point = Point(f"{method}-{option}-{nodes}", "annulus", {}, method, nodes, 0)
+    errors = {} if error is None else {ENERGY: error}
+    costs = dict.fromkeys(("cpu_seconds", "seconds"), (seconds, 0.9 * seconds, 1.1 * seconds))
+    run = CostRun(point, f"{method}, {option}", option)
+    return Measured(run, status, "", 3, costs, {"nodes": nodes}, {ENERGY: 1.0}, errors)
+
+
+def test_every_method_runs_on_every_mesh_and_other_options_on_one():
+    runs = plan("annulus", {}, meshes=(1000, 8000, 64_000))
+    usual = {(run.point.method, run.point.nodes) for run in runs if not run.option}
+    assert {("koiter", 1000), ("koiter", 64_000), ("tension-field", 8000), ("exact", 8000)} <= usual
+    other = [run for run in runs if run.option and run.point.method == "koiter"]
+    assert {run.point.nodes for run in other} == {8000}
+    assert {"damping kinetic", "mass uniform", "one mesh", "tolerance 1e-04"} <= {run.option for run in other}
+    assert len({run.point.name for run in runs}) == len(runs)
+    assert not any(run.option for run in runs if run.point.method == "exact")
+
+
+def test_options_leave_out_what_the_scene_has_already():
+    scene = load_scene("annulus", {"solver.damping": "kinetic", "solver.tolerance": 1e-7})
+    words = [option for option, _ in options_of("koiter", scene)]
+    assert "damping adaptive" in words and "damping kinetic" not in words
+    assert "tolerance 1e-06" in words and "tolerance 1e-07" not in words
+
+
+def test_a_repeat_is_the_same_solve_in_another_folder():
+    run = plan("annulus", {}, ["koiter"], (1000,))[0]
+    again = repeat(run, 2)
+    assert again.point.name != run.point.name
+    assert (again.point.changes, again.point.nodes, again.series) == (
+        run.point.changes,
+        run.point.nodes,
+        run.series,
+    )
+
+
+def second_order(limit, size, nodes=(1000, 4000, 16_000)):
+    return [(count, {ENERGY: limit + size / count}) for count in nodes]
+
+
+def test_a_closed_form_is_the_reference_where_there_is_one():
+    found = references({"exact": [(1000, {ENERGY: 5.0})], "tension-field": second_order(5.0, 100.0)})
+    assert [(r.model, r.value, r.how) for r in found] == [("relaxed membrane", 5.0, "closed form")]
+
+
+def test_two_independent_methods_make_a_reference_with_their_distance():
+    found = references({"koiter": second_order(5.0, 100.0), "postbuckling": second_order(5.1, 10.0)})
+    assert found[0].value == pytest.approx(5.05, rel=1e-12)
+    assert found[0].uncertainty >= 0.05
+    assert found[0].how == "koiter and postbuckling, extrapolated"
+
+
+def test_one_method_alone_is_extrapolated_and_labelled_so():
+    found = references({"membrane": second_order(5.0, 100.0)})
+    assert found[0].value == pytest.approx(5.0, rel=1e-12)
+    assert found[0].how == "membrane, extrapolated from its finest meshes"
+
+
+def test_what_does_not_approach_a_limit_is_no_reference():
+    assert (
+        references({"koiter": [(1000, {ENERGY: 1.0}), (4000, {ENERGY: 2.0}), (16_000, {ENERGY: 1.5})]}) == []
+    )
+
+
+def test_quantities_are_read_from_a_result():
+    document = {
+        "energy_N_mm": {"total": 2.0, "bending": 0.0},
+        "reactions": {"top": {"force_N": [1e-9, 3.0, 0.0], "moment_N_mm": [0.0, 0.0, 0.0]}},
+        "buckling": {"critical": [{"factor": 0.5, "parity": "even"}]},
+        "steps": 100,
+        "warnings": [],
+    }
+    assert quantities_of(document) == {
+        "energy_N_mm.total": 2.0,
+        "reactions.top.force_N.y": 3.0,
+        "buckling.critical.0.factor": 0.5,
+    }
+
+
+def test_the_front_has_what_nothing_beats():
+    rows = [
+        measured("koiter", 1000, 1.0, 0.1),
+        measured("koiter", 4000, 4.0, 0.02),
+        measured("koiter", 16_000, 20.0, 0.03),
+        measured("koiter", 2000, 2.0, 0.001, status="step_limit"),
+        measured("koiter", 500, 0.1, None),
+    ]
+    assert pareto(rows, ENERGY) == rows[:2]
+
+
+def test_the_cheapest_stays_accurate_on_finer_meshes():
+    crossing = [
+        measured("koiter", n, t, e)
+        for n, t, e in ((1000, 1.0, 0.001), (4000, 4.0, 0.05), (16_000, 20.0, 0.008))
+    ]
+    assert cheapest(crossing, "Koiter plate", ENERGY, 0.01) == crossing[2]
+    other = measured("koiter", 4000, 3.0, 0.009, option="mass uniform")
+    assert cheapest([*crossing, other], "Koiter plate", ENERGY, 0.01) == other
+    assert cheapest(crossing, "Koiter plate", ENERGY, 1e-4) is None
+
+
+def test_a_sentence_names_the_way_its_mesh_and_its_time():
+    rows = [measured("koiter", 36_000, 9.0, 0.008)]
+    said = sentences(rows, [Reference("Koiter plate", ENERGY, 1.0, 1e-4, "closed form")])
+    assert said == [
+        "10 % in energy_N_mm.total of the Koiter plate: Koiter plate on 36 000 nodes, 9 s (8.1 to 9.9).",
+        "1 % in energy_N_mm.total of the Koiter plate: Koiter plate on 36 000 nodes, 9 s (8.1 to 9.9).",
+    ]
+    unsure = Reference("Koiter plate", ENERGY, 1.0, 0.02, "extrapolated")
+    assert len(sentences(rows, [unsure])) == 1, (
+        "a target that the reference itself does not reach says nothing"
+    )
+
+
+def test_a_scene_is_measured_kept_and_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(cases.cost_plan, "options_of", lambda *_: [])
+    monkeypatch.setattr(cases.cost, "REPEATS", 1)
+    words = ["cost", "annulus-lift", "--methods", "exact,tension-field", "--nodes", "500,1000,2000"]
+    assert main([*words, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr()
+    assert "6 runs, 6 converged" in said.out and "[6/6]" in said.err
+    table = pd.read_csv(tmp_path / "cost.csv").set_index(["method", "nodes_asked"])
+    errors = [table.loc[("tension-field", nodes), f"error.{ENERGY}"] for nodes in (500, 1000, 2000)]
+    # second order: twice the nodes, half the error; the meshes' proportions differ by a few per cent
+    assert all(math.isclose(errors[k] / errors[k + 1], 2.0, rel_tol=0.2) for k in (0, 1))
+    assert (table["cpu_seconds"] > 0.0).all()
+    document = json.loads((tmp_path / "cost.json").read_text())
+    assert {r["how"] for r in document["references"] if r["quantity"] == ENERGY} == {"closed form"}
+    assert "koiter" in document["omitted"]
+    assert any("1 % in energy_N_mm.total" in sentence for sentence in document["sentences"])
+    # a second call solves nothing
+    assert main([*words, "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().err == ""
