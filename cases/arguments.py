@@ -7,8 +7,6 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-LATER = {
-}
 BAD_INPUT = 2
 
 
@@ -41,8 +39,6 @@ class _Version(argparse.Action):
 
 def parse(argv: Sequence[str]) -> argparse.Namespace:
     """The command and its options. Raises Refused; `--help` and `--version` print and raise SystemExit(0)."""
-    if argv and argv[0] in LATER and not {"-h", "--help"} & set(argv):
-        raise Refused(f"`wrinkle {argv[0]}` ({LATER[argv[0]]}) is not part of this version yet")
     parser, commands = build()
     if argv and not argv[0].startswith("-") and argv[0] not in commands:
         guess = _guess(argv[0], list(commands))
@@ -91,10 +87,8 @@ def build() -> tuple[Parser, dict[str, Parser]]:
         "hard": _hard(commands.add_parser("hard", help="the table of hard cases, with verdicts")),
         "doctor": _doctor(commands.add_parser("doctor", help="versions, cores, cache, what is missing")),
     }
-    for name, what in LATER.items():
-        made[name] = commands.add_parser(name, help=f"{what} (in a later version)")
     for name, command in made.items():
-        command.description = f"wrinkle {name}: {LATER.get(name) or _description(commands, name)}"
+        command.description = f"wrinkle {name}: {_description(commands, name)}"
     return parser, made
 
 

@@ -10,7 +10,6 @@ import time
 import pytest
 
 from cases.__main__ import main
-from cases.arguments import LATER
 from cases.scene import scene_names
 
 
@@ -60,15 +59,6 @@ def test_list_has_every_scene_with_methods_and_nodes(capsys):
     assert [line.split()[0] for line in lines] == ["scene", *scene_names()]
     annulus = next(line for line in lines if line.startswith("annulus "))
     assert "Twist and pull-out" in annulus and "tension-field" in annulus and annulus.endswith(" 20000")
-
-
-@pytest.mark.parametrize("command", LATER)
-def test_commands_of_later_versions_say_so(here, capsys, command):
-    assert main([command, "annulus", "--accuracy", "1%"]) == 2
-    assert (
-        capsys.readouterr().err
-        == f"wrinkle: `wrinkle {command}` ({LATER[command]}) is not part of this version yet\n"
-    )
 
 
 @pytest.mark.parametrize(
