@@ -12,6 +12,7 @@ from reports import (
     section_hole,
     section_ladder,
     section_other,
+    section_published,
     section_shear,
     section_stretch,
 )
@@ -35,6 +36,7 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
     sections: list[Section] = [section_other.summary(results, full)]
     built = (
         ("stretch", section_stretch),
+        ("stretch", section_published),
         ("shear", section_shear),
         ("hole", section_hole),
         ("annulus", section_annulus),

@@ -13,6 +13,7 @@ from reports.plan import report_runs
 from reports.run import ReportRun
 from reports.stored import refusal_path
 
+WAVE_HEIGHT = 10.0  # of imposed waves, in thicknesses: about as high as the sheet's own
 RESULTS = "results"
 BENCHMARKS = Path("runs") / "benchmark"
 FULL_PATIENCE = 10.0  # a run of the full report has this many times the quick report's limit
@@ -114,8 +115,8 @@ def _solve(
     except cases.SceneError as problems:
         raise ValueError(str(problems)) from problems
 
-    if run.kept_flat:
-        return _solve_flat(scene, folder, nodes)
+    if run.kept_flat or run.imposed_mm is not None:
+        return _solve_otherwise(run, scene, folder, nodes)
 
     def solve(force: bool) -> str:
         solution = cases.run(
@@ -138,23 +139,41 @@ def _solve(
         return solve(force=True)
 
 
-def _solve_flat(scene: Any, folder: Path, nodes: int | None) -> str:
-    """The status of the plate's planar equilibrium; a converged result of the same scene and nodes is kept."""
-    from cases.energy_gained import flat_state
+def _solve_otherwise(run: ReportRun, scene: Any, folder: Path, nodes: int | None) -> str:
+    """The status of a solve that no method of the command line makes: kept flat, or from imposed waves.
+
+    A converged result of the same scene, nodes and start is kept.
+    """
     from cases.methods import METHODS, with_numbers
     from cases.results import probe, read_document, write_result
     from cases.scene_text import scene_hash
 
     resolved = with_numbers(scene, METHODS["koiter"], nodes, None)
-    identity = scene_hash(resolved, "koiter", state="kept flat")
+    identity = scene_hash(resolved, "koiter", kept_flat=run.kept_flat, imposed_mm=run.imposed_mm)
     if (folder / "result.json").exists():
         document = read_document(folder)
         if document.get("scene_hash") == identity and document["status"] == "converged":
             return "converged"
-    solution = flat_state(scene, nodes)
+    solution = _flat(resolved) if run.imposed_mm is None else _from_waves(resolved, run.imposed_mm)
     folder.mkdir(parents=True, exist_ok=True)
     write_result(folder, solution, resolved, probe(solution, resolved), {}, identity)
     return str(solution.status.value)
+
+
+def _flat(scene: Any) -> Any:
+    from cases.energy_gained import flat_state
+
+    return flat_state(scene)
+
+
+def _from_waves(scene: Any, half_wavelength_mm: float) -> Any:
+    """The state that a start with straight waves, as high as the sheet's own, ends in."""
+    from cases.boundary import grid_of
+    from cases.starts import relax_from, with_waves
+
+    grid = grid_of(scene)(scene.mesh.nodes)
+    start = with_waves(scene, grid, half_wavelength_mm, WAVE_HEIGHT * scene.sheet.thickness_mm)
+    return relax_from(scene, grid, start)
 
 
 def note_refusal(folder: Path, status: str, message: str) -> None:

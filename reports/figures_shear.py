@@ -109,3 +109,27 @@ def _draw_estimate(ax: Axes, estimate: ShearEstimate, level: float) -> None:
     ax.plot(
         x, z, color="#555555", linewidth=0.9, linestyle=(0, (3, 1.5)), label="waves of the estimated size"
     )
+
+
+def scan(
+    fig: FigureBase, imposed: np.ndarray, found: np.ndarray, energy: np.ndarray, seeds: np.ndarray
+) -> None:
+    """Energy of the states that imposed waves end in.
+
+    imposed, found : (m,) half-wavelengths across the wrinkles, mm. energy : (m,) above the lowest of all, N mm.
+    seeds : (k, 2) half-wavelength and energy of the states from random starts on the same mesh.
+    """
+    left, right = fig.subplots(1, 2)
+    left.plot(imposed, found, "o-", color=SHADES[0], linewidth=1.0)
+    left.plot(imposed, imposed, color="#999999", linewidth=0.8, linestyle=(0, (4, 2)), label="as imposed")
+    left.set_xlabel("imposed half-wavelength (mm)")
+    left.set_ylabel("half-wavelength found (mm)")
+    left.set_title("(a) what becomes of imposed waves")
+    left.legend()
+    right.plot(found, energy, "o", color=SHADES[0], label="imposed waves")
+    right.plot(seeds[:, 0], seeds[:, 1], "s", color=SHADES[1], linestyle="none", label="random starts")
+    right.ticklabel_format(axis="y", style="sci", scilimits=(0, 0), useMathText=True)
+    right.set_xlabel("half-wavelength found (mm)")
+    right.set_ylabel("energy above the lowest (N mm)")
+    right.set_title("(b) energy of the states", pad=14)
+    right.legend()

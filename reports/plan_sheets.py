@@ -15,9 +15,18 @@ PAPER_NODES, PAPER_NODES_ABOVE = 60_000, 120_000  # up to and above a pull of 10
 STRIP_MESHES_QUICK, STRIP_MESHES_FULL = (4000, 8000, 16000), (15000, 30000, 60000)
 SEED_NODES_QUICK, SEEDS = 6000, tuple(range(1, 11))  # ten, as in Fig. 5
 
+# pull (%), which mesh of the sweep, variants of the published scheme
+PUBLISHED = (
+    (10.0, 1, ("printed", "filtered", "stabilised")),
+    (10.0, 2, ("filtered", "stabilised")),
+    (20.0, 1, ("filtered", "stabilised")),
+)
+
 SHEARS_MM = (0.05, 0.5, 3.0)  # the caption's, the text's, the larger one
 PRE_STRETCHES_MM = (0.0, 0.05)
 SHEAR_MESHES_QUICK, SHEAR_MESHES_FULL = (3000, 6000, 12000), (20000, 40000, 80000)
+SCAN_SHEAR_MM, SCAN_NODES = 0.5, (6000, 20000)
+SCAN_HALF_WAVELENGTHS_MM = (8.0, 10.0, 12.0, 14.0, 17.0, 20.0)
 SHEAR_SEEDS, SHEAR_SEED_NODES = (1, 2), (6000, 40000)  # besides seed 0; quick and full
 
 
@@ -29,6 +38,18 @@ def pull(percent: float) -> dict[str, object]:
 def shear(move_mm: float, pre_stretch_mm: float) -> dict[str, object]:
     """Overrides that move the upper edge of the sheared sheet sideways and up, mm."""
     return {"edges.top.move_mm": [move_mm, pre_stretch_mm, 0.0]}
+
+
+def _scan() -> list[ReportRun]:
+    """The energy against the half-wavelength that the start imposes, at the text's displacement."""
+    quick, full = SCAN_NODES
+    changes = shear(SCAN_SHEAR_MM, 0.0)
+    return [
+        ReportRun(
+            f"shear-scan-{half:g}", "shear", "koiter", quick, full, changes, part="scan", imposed_mm=half
+        )
+        for half in SCAN_HALF_WAVELENGTHS_MM
+    ]
 
 
 def kept_flat(run: ReportRun) -> ReportRun:
@@ -45,6 +66,7 @@ def stretch_runs() -> list[ReportRun]:
         _progress(),
         *_sweep(),
         *_seeds(),
+        *published_runs(),
     ]
 
 
@@ -91,6 +113,27 @@ def _seeds() -> list[ReportRun]:
     ]
 
 
+def published_runs() -> list[ReportRun]:
+    """The paper's own scheme on meshes of the sweep, and on cells that it cannot bear, with their partner."""
+    runs = []
+    for percent, k, variants in PUBLISHED:
+        mesh = STRIP_MESHES_QUICK[k], STRIP_MESHES_FULL[k]
+        for variant in variants:
+            changes = {**pull(percent), "solver.published": variant}
+            name = f"published-{variant}-{percent:g}-{mesh[0]}"
+            runs.append(ReportRun(name, "stretch", "koiter-published", *mesh, changes, 40.0, "published"))
+    long_cells = {**pull(10.0), "mesh.cell_ratio": 3.0}
+    mesh = STRIP_MESHES_QUICK[1], STRIP_MESHES_FULL[0]
+    for variant in ("filtered", "stabilised"):
+        changes = {**long_cells, "solver.published": variant}
+        name = f"published-{variant}-long-cells"
+        runs.append(ReportRun(name, "stretch", "koiter-published", *mesh, changes, 40.0, "published"))
+    partner = ReportRun(
+        "published-partner-long-cells", "stretch", "koiter", *mesh, long_cells, 40.0, "published"
+    )
+    return [*runs, partner]
+
+
 def shear_runs() -> list[ReportRun]:
     """Fig. 6: every load on a sequence of meshes, and the two large ones from further seeds too."""
     runs = []
@@ -104,7 +147,7 @@ def shear_runs() -> list[ReportRun]:
                 runs.append(ReportRun(f"{name}-{quick}", "shear", "koiter", few, full, changes, part="mesh"))
                 runs.append(kept_flat(runs[-1]))
             runs += _shear_seeds(name, changes) if move > 0.1 else []
-    return runs
+    return [*runs, *_scan()]
 
 
 def _shear_seeds(name: str, changes: dict[str, object]) -> Iterable[ReportRun]:

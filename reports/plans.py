@@ -51,8 +51,11 @@ def draw_relief(ax: Axes, stored: Stored | None, title: str, relief: float) -> N
     ax.set_title(title)
 
 
-def draw_height(ax: Axes, r: np.ndarray, size: float, title: str) -> ScalarMappable:
-    """An open sheet (ni, nj, 3) mm from above, coloured by height from -size to size mm; returns the key."""
+def draw_height(ax: Axes, r: np.ndarray, size: float, title: str, smooth: bool = True) -> ScalarMappable:
+    """An open sheet (ni, nj, 3) mm from above, coloured by height from -size to size mm; returns the key.
+
+    smooth : zones have the mean height of their corners, which hides a checkerboard; otherwise that of one corner.
+    """
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -60,7 +63,7 @@ def draw_height(ax: Axes, r: np.ndarray, size: float, title: str) -> ScalarMappa
     key = ScalarMappable(Normalize(-size, size), colormaps[HEIGHT_COLOURS])
     z = r[..., 2]
     mean = 0.25 * (z[:-1, :-1] + z[1:, :-1] + z[1:, 1:] + z[:-1, 1:])
-    picture = flat_view(r, key.to_rgba(mean)[..., :3], False, PIXELS)
+    picture = flat_view(r, key.to_rgba(mean if smooth else z[:-1, :-1])[..., :3], False, PIXELS)
     ax.imshow(picture.rgba, extent=picture.extent, interpolation="antialiased")
     rim = np.concatenate([r[:-1, 0], r[-1, :-1], r[:0:-1, -1], r[0, ::-1]])
     ax.plot(rim[:, 0], rim[:, 1], color="#9A9A9A", linewidth=0.4)

@@ -18,6 +18,7 @@ class ReportRun:
     max_seconds : time limit of the quick report, s; the full report has ten times as much.
     part : the figure or table of the scene's section that the run is for; "" for its comparison of methods.
     seed : of the random start.
+    imposed_mm : half-wavelength of straight waves at 45 degrees that are put into the start instead of the random one.
     kept_flat : solve for the plate's planar equilibrium, which is examined but not left where it is unstable.
     """
 
@@ -30,6 +31,7 @@ class ReportRun:
     max_seconds: float = 40.0
     part: str = ""
     seed: int = 0
+    imposed_mm: float | None = None
     kept_flat: bool = False
 
     def nodes(self, full: bool) -> int | None:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from functools import partial
+
+import numpy as np
 
 from cases.estimates import ShearEstimate, shear_estimate
 from fdsolver.material import Sheet
 from reports import figures_shear as figures
 from reports.content import Block, Drawing, Section, Text
 from reports.figures_shear import Load
-from reports.loads import WRINKLED, by_shear, finest, flat_partners
+from reports.loads import WRINKLED, by_shear, finest, flat_partners, top_move
 from reports.plans import relief_factor
-from reports.shear_measures import measure_all
+from reports.shear_measures import Measured, measure_all, value_of
 from reports.shear_tables import energy_table, run_rows, wrinkle_size_table
 from reports.stored import Stored
+from reports.style import number, whole
 from reports.tables import remarks
 
 HEIGHT_MM, SHEET = 128.0, Sheet(3500.0, 0.31, 0.025)
@@ -35,6 +39,7 @@ def build(results: Mapping[str, Stored]) -> Section:
     blocks.append(Text(_ESTIMATE))
     blocks.append(wrinkle_size_table(meshes, seeds, measured, estimates, SHEET.thickness_mm))
     blocks.append(energy_table(meshes, seeds, flat))
+    blocks += _scan(mine, measured)
     small = {load: s for load, s in best.items() if load[0] <= SMALL_MM}
     if small:
         blocks.append(_drawing("fig6-small", "Fig. 6 as its caption has it", small, estimates))
@@ -70,6 +75,51 @@ def _drawing(
         5.3 if len(moves) > 1 else 3.4,
         vector=False,
     )
+
+
+def _scan(mine: Sequence[Stored], measured: Measured) -> list[Block]:
+    """The energy against the imposed half-wavelength, beside the random starts on the same mesh."""
+
+    def rows(runs: Sequence[Stored]) -> list[tuple[Stored, float, float]]:
+        sizes = [value_of(measured, s, "half_wavelength_mm", SHEET.thickness_mm) for s in runs]
+        energies = [s.value("energy_N_mm", "total") for s in runs]
+        return [
+            (s, h, e)
+            for s, h, e in zip(runs, sizes, energies, strict=True)
+            if s.converged and math.isfinite(h)
+        ]
+
+    waves = rows([s for s in mine if s.run.imposed_mm is not None])
+    if len(waves) < 2:
+        return []
+    nodes, load = waves[0][0].value("nodes"), top_move(waves[0][0].run)
+    starts = rows(
+        [
+            s
+            for s in mine
+            if s.run.part in ("mesh", "seeds") and s.value("nodes") == nodes and top_move(s.run) == load
+        ]
+    )
+    lowest = min(e for _, _, e in (*waves, *starts))
+    spread = max(e for _, _, e in waves) - lowest
+    drawing = Drawing(
+        "shear-scan",
+        "Energy against imposed wavelength",
+        f"Straight waves at 45 degrees put into the start instead of noise, at {load[0]:g} mm without pre-stretch on "
+        f"{whole(nodes)} nodes: (a) the half-wavelength across the wrinkles that the state ends with; (b) its energy. "
+        f"All energies lie within {number(spread, 2)} N\u00a0mm of {number(lowest, 5)} N\u00a0mm: the energy is nearly "
+        "flat in the wavelength, which is why the number of wrinkles is not unique.",
+        "Half-wavelength found against half-wavelength imposed, and energy against half-wavelength found.",
+        partial(
+            figures.scan,
+            imposed=np.array([float(s.run.imposed_mm or 0.0) for s, _, _ in waves]),
+            found=np.array([h for _, h, _ in waves]),
+            energy=np.array([e - lowest for _, _, e in waves]),
+            seeds=np.array([(h, e - lowest) for _, h, e in starts]).reshape(-1, 2),
+        ),
+        2.6,
+    )
+    return [drawing]
 
 
 def small_words(small: Mapping[Load, Stored | None]) -> Text:

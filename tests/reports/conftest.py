@@ -65,7 +65,7 @@ def is_left_out(run: ReportRun) -> bool:
 
 def nodes_of(run: ReportRun) -> int:
     """Few nodes; the meshes of one scene still differ."""
-    fewer = {"sweep": 2, "flat": 2, "seeds": 2, "mesh": 2}.get(
+    fewer = {"sweep": 2, "flat": 2, "seeds": 2, "mesh": 2, "scan": 2, "published": 2}.get(
         run.part, 10
     )  # parts whose wrinkles are measured
     return 3000 if run.name == STALLED else max(400, (run.nodes_quick or 0) // fewer)

@@ -22,7 +22,7 @@ from fdsolver.result import Reaction, Solution, Status
 from reports.run import ReportRun
 from tensionfield.annulus import AnnulusProblem, AnnulusSolution, solve_annulus
 
-WRINKLED_METHODS = ("koiter",)
+WRINKLED_METHODS = ("koiter", "koiter-published")
 WAVE_NUMBER = 0.4  # 1/mm, of the pulled strip's wrinkles
 GOLDEN = 2.399963  # radians: phases of successive seeds fill the circle
 MESH_ERROR = 40.0  # of second order: over the number of nodes

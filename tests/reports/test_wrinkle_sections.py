@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 
@@ -14,9 +15,11 @@ from reports.figures_progress import snapshot_steps
 from reports.loads import by_pull, by_shear, energy_gained, flat_partners, partner_key, pull_percent, wrinkled
 from reports.phases import phase
 from reports.plan import report_runs
-from reports.plan_sheets import PULLS, SEEDS, SHEARS_MM
+from reports.plan_sheets import PULLS, SCAN_HALF_WAVELENGTHS_MM, SEEDS, SHEARS_MM
+from reports.section_published import healthy, mesh_key
 from reports.seed_words import seed_states, seed_words
 from reports.shear_measures import measure_all, value_of
+from reports.stored import Stored
 from reports.strip_curves import crossings, curves, pull_table
 from reports.strip_words import trend
 from tests.reports.conftest import DRAWN_PULLS
@@ -211,7 +214,7 @@ def test_sizes_stand_beside_their_estimate(report):
 
 def test_all_runs_of_the_sheared_sheet_are_listed(report, results):
     rows = table_of(report, "shear", "Runs of the sheared sheet").rows
-    assert len(rows) == sum(s.run.scene == "shear" and s.run.part != "flat" for s in results.values())
+    assert len(rows) == sum(s.run.scene == "shear" and not s.run.kept_flat for s in results.values())
 
 
 def test_loads_are_grouped_from_coarse_to_fine(results):
@@ -225,3 +228,34 @@ def test_eigenvalue_passes_zero_where_a_line_does():
     pulls, lowest = np.array([1.0, 2.0, 4.0, 8.0]), np.array([0.1, -0.3, -0.2, 0.2])
     assert crossings(pulls, lowest) == [(pytest.approx(1.25), True), (pytest.approx(6.0), False)]
     assert crossings(pulls, np.abs(lowest)) == []
+
+
+def test_published_scheme_is_compared_on_the_same_mesh(report, results):
+    rows = table_of(report, "published", "The published scheme").rows
+    assert len(rows) == sum(s.method == "koiter-published" for s in results.values())
+    row = next(r for r in rows if r[:3] == ("filtered ghost line", "10", rows[0][2]))
+    # made of the same formula on the same mesh
+    assert row[7] == row[8]
+    assert row[9] == "0"
+
+
+def test_long_cells_are_compared_with_long_cells(results):
+    run = results["published-filtered-long-cells"]
+    assert mesh_key(run) == mesh_key(results["published-partner-long-cells"])
+    assert mesh_key(run) != mesh_key(results["published-filtered-10-8000"])
+
+
+def test_checkerboard_is_not_healthy_even_if_converged(results, tmp_path):
+    run = results["published-filtered-10-8000"]
+    assert healthy(run)
+    document = dict(run.result) | {"hourglass": {"out_of_plane": 0.9, "in_plane": None}}
+    (tmp_path / "result.json").write_text(json.dumps(document), encoding="utf-8")
+    assert not healthy(Stored(run.run, tmp_path))
+
+
+def test_imposed_waves_stand_beside_random_starts_of_their_mesh(report):
+    drawing = next(b for b in section(report, "shear").blocks if getattr(b, "name", "") == "shear-scan")
+    shown = drawing.draw.keywords
+    assert list(shown["imposed"]) == list(SCAN_HALF_WAVELENGTHS_MM)
+    assert len(shown["seeds"]) == 3
+    assert min(shown["energy"].min(), shown["seeds"][:, 1].min()) == 0.0
