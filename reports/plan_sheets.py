@@ -9,10 +9,10 @@ from reports.run import ReportRun
 
 STRIP_LENGTH_MM = 254.0
 
-PULLS = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 13.0, 16.0, 20.0, 22.0, 24.0, 26.0, 30.0)  # % of the length
+PULLS = (2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 13.0, 16.0, 20.0, 22.0, 24.0, 30.0)  # % of the length
 SHOWN_PULLS = (5.0, 10.0, 20.0, 30.0)  # those of Fig. 4
 PAPER_NODES, PAPER_NODES_ABOVE = 60_000, 120_000  # up to and above a pull of 10 %
-STRIP_MESHES_QUICK, STRIP_MESHES_FULL = (4000, 8000, 16000), (15000, 30000, 60000)
+STRIP_MESHES_QUICK, STRIP_MESHES_FULL = (3000, 6000, 12000), (15000, 30000, 60000)
 SEED_NODES_QUICK, SEEDS = 6000, tuple(range(1, 11))  # ten, as in Fig. 5
 
 # pull (%), which mesh of the sweep, variants of the published scheme

@@ -51,7 +51,7 @@ BENCHMARKS = {
 }
 
 
-DRAWN_PULLS = (1.5, 4.0, 5.0, 10.0, 20.0, 30.0)  # of the others there is no result
+DRAWN_PULLS = (2.0, 4.0, 5.0, 10.0, 20.0, 30.0)  # of the others there is no result
 
 
 def is_left_out(run: ReportRun) -> bool:
