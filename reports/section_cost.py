@@ -1,0 +1,131 @@
+"""The report's section on what accuracy costs: one page per scene that `wrinkle cost` has measured."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from reports import figures_cost as figures
+from reports.content import Block, Drawing, Section, Table, Text
+from reports.style import method_name, number, whole
+
+DRAWN = 2  # quantities per scene; the table has the best runs of these
+WANTED = ("amplitude_mm", "rms_mm", "energy_N_mm.total", "force_N", "moment_N_mm", "factor")
+LONGEST_TABLE = 14
+Document = Mapping[str, Any]
+
+
+def read_costs(folder: Path) -> dict[str, Document]:
+    """Scene -> cost.json of every `SCENE-cost` in a folder."""
+    found = {}
+    for path in sorted(folder.glob("*-cost/cost.json")):
+        document = json.loads(path.read_text(encoding="utf-8"))
+        found[str(document["scene"])] = document
+    return found
+
+
+def build(costs: Mapping[str, Document]) -> Section:
+    """Assemble the section; without measurements it says how to make them."""
+    blocks: list[Block] = []
+    for scene, document in costs.items():
+        blocks += _scene(scene, document)
+    if not blocks:
+        blocks = [Text("Nothing was measured yet: `wrinkle cost SCENE` does, and the next report shows it.")]
+    return Section("cost", "What accuracy costs", blocks)
+
+
+def _scene(scene: str, document: Document) -> list[Block]:
+    quantities = chosen_quantities(document)
+    said = [sentence for sentence in document["sentences"] if any(f" {q} of" in sentence for q in quantities)]
+    blocks: list[Block] = [
+        Text(f"{scene}: the cheapest way to an accuracy, single thread.", items=tuple(said))
+    ]
+    if quantities:
+        blocks += [_drawing(scene, document, quantities), _table(scene, document, quantities[0])]
+    blocks.append(_failures(scene, document["rows"]))
+    left = tuple(f"{what}: {why}" for what, why in document["omitted"].items())
+    machine = document["machine"]
+    blocks.append(
+        Text(
+            f"Left out on {scene}; measured on {machine['processor']}, {machine['cores']} cores:", items=left
+        )
+    )
+    return blocks
+
+
+def chosen_quantities(document: Document) -> list[str]:
+    """The quantities that a reader asks for first, of those that have errors of converged runs."""
+    names = [name for name, front in document["pareto"].items() if len(front) > 1]
+    ranked = sorted(names, key=lambda name: next((k for k, w in enumerate(WANTED) if w in name), len(WANTED)))
+    return ranked[:DRAWN]
+
+
+def _drawing(scene: str, document: Document, quantities: Sequence[str]) -> Drawing:
+    references = {
+        (r["model"], r["quantity"]): r["how"] for r in document["references"] if r["quantity"] in quantities
+    }
+    hows = "; ".join(sorted({f"{model}: {how}" for (model, _), how in references.items()}))
+    return Drawing(
+        f"cost-{scene}",
+        f"Work and precision, {scene}",
+        f"Error of {' and of '.join(quantities)} against CPU time without compilation. Lines join meshes of one method,"
+        " dots are other ways to iterate, bars the spread of repeats, crosses above the frame runs without an answer;"
+        f" the grey line joins the runs that no other beats. References: {hows}.",
+        f"Errors falling with CPU time for the methods of the scene {scene}.",
+        partial(
+            figures.work_precision,
+            rows=document["rows"],
+            quantities=tuple(quantities),
+            front=document["pareto"],
+        ),
+        3.0,
+    )
+
+
+def _table(scene: str, document: Document, quantity: str) -> Table:
+    rows = {row["folder"]: row for row in document["rows"]}
+    front = [rows[name] for name in document["pareto"][quantity]][-LONGEST_TABLE:]
+    cells = tuple(
+        (
+            method_name(row["method"]),
+            row["option"] or "as the scene has it",
+            whole(row["nodes"]),
+            number(100.0 * row[f"error.{quantity}"], 2),
+            number(row["cpu_seconds"], 3),
+            f"{number(row['cpu_seconds_least'], 3)} to {number(row['cpu_seconds_largest'], 3)}",
+            number(row["seconds"], 3),
+            whole(_or_nan(row["force_evaluations"])),
+            number(_or_nan(row["seconds_compile"]), 2),
+            number(_or_nan(row["peak_memory_MB"]), 3),
+        )
+        for row in front
+    )
+    return Table(
+        f"Runs on {scene} that none beats in both CPU time and error of {quantity}.",
+        (
+            *("method", "iteration", "nodes", "error (%)", "CPU (s)", "spread (s)", "wall (s)"),
+            *("force evaluations", "compilation (s)", "memory (MB)"),
+        ),
+        cells,
+        wide=(0, 1),
+    )
+
+
+def _failures(scene: str, rows: Sequence[Mapping[str, Any]]) -> Text:
+    failed = [row for row in rows if row["status"] != "converged"]
+    if not failed:
+        return Text(f"Every run on {scene} converged.")
+    items = tuple(
+        f"{row['method']}{', ' + row['option'] if row['option'] else ''}, {row['nodes_asked']} nodes: "
+        f"{row['status'].replace('_', ' ')}. {row['message']}"
+        for row in failed
+    )
+    return Text(f"Runs on {scene} without an answer:", items=items)
+
+
+def _or_nan(value: float | None) -> float:
+    return math.nan if value is None else float(value)
