@@ -102,10 +102,11 @@ def _foreseen(error: Exception) -> list[str] | None:
         return [str(problem) for problem in error.problems]
     if isinstance(error, OSError):
         return [str(error) if error.filename is None else f"{error.filename}: {error.strerror}"]
+    from cases.folders import FolderRefused
+    from cases.memory import TooManyNodes
     from cases.methods import MethodError
     from cases.probe import ProbeError
     from cases.results import ResultError
-    from cases.runner import FolderRefused
     from fdsolver.checkpoint import CheckpointError
     from fdsolver.grid import GridError
     from tensionfield.annulus_problem import NoAnnulusSolution
@@ -113,6 +114,7 @@ def _foreseen(error: Exception) -> list[str] | None:
     refusals = (
         MethodError,
         FolderRefused,
+        TooManyNodes,
         ResultError,
         ProbeError,
         GridError,

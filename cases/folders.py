@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import ctypes
 import errno
+import fcntl
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from fdsolver.checkpoint import storage_error, sync_directory
@@ -38,6 +40,36 @@ def write_folder(folder: Path, fill: Callable[[Path], None]) -> None:
         raise storage_error(folder, reason) from reason
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+class FolderRefused(ValueError):
+    """The output folder holds something else, or another process works in it; the message is one sentence."""
+
+
+@contextmanager
+def alone(folder: Path) -> Iterator[None]:
+    """Keep other processes out of an existing folder until the block ends, however it ends.
+
+    The lock is on the folder itself, so that it needs no file, goes with the process, and goes with the folder that
+    `write_folder` replaces: whoever comes then finds the whole new one. Where the system cannot lock a folder (some
+    network disks), there is none.
+
+    Raises FolderRefused at once if another has it.
+    """
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            sentence = (
+                f"{folder} is in use by another process; wait for it, or choose another place with --out."
+            )
+            raise FolderRefused(sentence) from None
+        except OSError:
+            pass  # no locks here
+        yield
+    finally:
+        os.close(handle)
 
 
 def recover(folder: Path) -> None:

@@ -9,8 +9,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from cases.effects import Effects, as_document, not_justified
-from cases.folders import recover
-from cases.methods import FEWEST_NODES_PER_WRINKLE, MethodError, Task, choose, effects_of, with_numbers
+from cases.folders import FolderRefused, alone, recover
+from cases.memory import refuse_too_many
+from cases.methods import (
+    FEWEST_NODES_PER_WRINKLE,
+    Method,
+    MethodError,
+    Task,
+    choose,
+    effects_of,
+    with_numbers,
+)
 from cases.results import (
     CHECKPOINT_NAME,
     Probes,
@@ -30,10 +39,6 @@ from fdsolver.result import Status
 
 # A run that ended so can go on from its checkpoint.
 UNFINISHED = (Status.INTERRUPTED, Status.STEP_LIMIT, Status.TIME_LIMIT)
-
-
-class FolderRefused(ValueError):
-    """The output folder holds something else; the message is one sentence."""
 
 
 def run(
@@ -60,31 +65,44 @@ def run(
     progress : called now and then by the engine. strict : less than 6 nodes per wrinkle is the status
         under_resolved, an effect wrongly left out the status not_justified.
 
-    Raises MethodError, FolderRefused, CheckpointError (nothing is written) and StorageError (what was there
-    is unchanged).
+    Raises MethodError, TooManyNodes, FolderRefused, CheckpointError (nothing is written) and StorageError
+    (what was there is unchanged).
     """
     _check_numbers(nodes, seed, threads, tolerance)
     chosen, why = choose(scene, method)
     resolved = with_numbers(scene, chosen, nodes, tolerance)
     identity = scene_hash(resolved, chosen.name, seed=seed, start=_fingerprint(resolved))
-    checkpoint = None
-    if out is not None:
-        out = Path(out)
+    task = Task(resolved, seed, threads, progress, None)
+    points = (resolved.mesh.vertices if chosen.finite_elements else None) or resolved.mesh.nodes
+    if out is None:
+        refuse_too_many(points)
+        return _solve(chosen, task, why, strict)[0]
+    out = Path(out)
+    stored = _stored(out, identity, resolved, resume, force)
+    if stored is not None:
+        return stored
+    refuse_too_many(points)
+    _make(out)
+    with alone(out):
+        # it may have been finished, or become something else, just before it was ours
         stored = _stored(out, identity, resolved, resume, force)
         if stored is not None:
             return stored
         checkpoint = _open(out, resolved, identity, fresh=force and not resume)
-    solution = chosen.solve(Task(resolved, seed, threads, progress, checkpoint))
-    probes = probe(solution, resolved)
-    effects = effects_of(chosen, solution, resolved)
-    solution = _judged(solution, resolved, probes, effects, why, strict)
-    if out is not None and not (solution.status is Status.INTERRUPTED and _has_result(out)):
-        # An interrupted run never takes the place of a finished one; its checkpoint is there to go on.
-        unfinished = solution.status in UNFINISHED
-        write_result(
-            out, solution, resolved, probes, as_document(effects), identity, keep_checkpoint=unfinished
-        )
+        solution, probes, effects = _solve(chosen, replace(task, checkpoint=checkpoint), why, strict)
+        if not (solution.status is Status.INTERRUPTED and _has_result(out)):
+            # An interrupted run never takes the place of a finished one; its checkpoint is there to go on.
+            unfinished = solution.status in UNFINISHED
+            write_result(out, solution, resolved, probes, as_document(effects), identity, unfinished)
     return solution
+
+
+def _solve(chosen: Method, task: Task, why: str, strict: bool) -> tuple[AnySolution, Probes, Effects]:
+    """The judged solution, what was measured along the lines of its scene, and its effects."""
+    solution = chosen.solve(task)
+    probes = probe(solution, task.scene)
+    effects = effects_of(chosen, solution, task.scene)
+    return _judged(solution, task.scene, probes, effects, why, strict), probes, effects
 
 
 def _fingerprint(scene: Scene) -> str | None:
@@ -173,14 +191,21 @@ def _has_result(out: Path) -> bool:
         return False
 
 
+def _make(out: Path) -> None:
+    """Make the folder of a run. Raises StorageError."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as reason:
+        raise storage_error(out, reason) from reason
+
+
 def _open(out: Path, scene: Scene, identity: str, fresh: bool) -> Checkpoint:
-    """Make the folder of a run that starts, and its checkpoint; `fresh` drops an old one.
+    """The checkpoint of a run that starts in its folder; `fresh` drops an old one.
 
     Raises StorageError, and CheckpointError for a checkpoint that cannot be continued.
     """
     checkpoint = Checkpoint(out / CHECKPOINT_NAME, identity)
     try:
-        out.mkdir(parents=True, exist_ok=True)
         if fresh:
             checkpoint.delete()
     except OSError as reason:

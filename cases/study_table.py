@@ -41,12 +41,22 @@ def result_of(point: Point, out: Path) -> Mapping[str, Any]:
     """The result.json of a point; of a point without one, `status` and `message` alone."""
     if point.refused:
         return {"status": "refused", "message": point.refused}
-    if note_path(out, point.name).exists():
-        return json.loads(note_path(out, point.name).read_text(encoding="utf-8"))
+    note = _note(out, point)
+    if note is not None:
+        return note
     try:
         return read_document(out / point.name)
     except ResultError:
         return {"status": "not run", "message": "There is no result yet."}
+
+
+def _note(out: Path, point: Point) -> Mapping[str, Any] | None:
+    """Why a point has no result; None if nothing was noted, or nothing that can be read."""
+    try:
+        note = json.loads(note_path(out, point.name).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    return note if isinstance(note, dict) and {"status", "message"} <= set(note) else None
 
 
 def flat(document: Mapping[str, Any], above: str = "") -> dict[str, Any]:

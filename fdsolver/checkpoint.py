@@ -8,10 +8,13 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+
+from fdsolver.compile_cache import source_digest
 
 State = dict[str, "np.ndarray | float | int | str"]
 # What numpy and zipfile raise for a file that is cut short, changed or something else.
@@ -20,12 +23,14 @@ UNREADABLE = (
     ValueError,
     EOFError,
     KeyError,
+    MemoryError,  # a header that names more numbers than there is memory
     NotImplementedError,
     struct.error,
     zipfile.BadZipFile,
     zlib.error,
 )
 _IDENTITY = "checkpoint_identity"
+_SOURCES = "checkpoint_sources"
 
 
 class StorageError(OSError):
@@ -35,7 +40,7 @@ class StorageError(OSError):
 
 
 class CheckpointError(ValueError):
-    """A checkpoint cannot be used: unreadable, cut short, or written by another run."""
+    """A checkpoint cannot be used: unreadable, cut short, or written by another run or another version."""
 
 
 def storage_error(path: Path, reason: OSError) -> StorageError:
@@ -80,11 +85,18 @@ def _remove_quietly(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
+@cache
+def _solver() -> str:
+    """What identifies the solver that writes and reads."""
+    return source_digest()
+
+
 class Checkpoint:
     """The state of an unfinished run in one file (npz without pickles).
 
     path : the file.
-    identity : names the run (scene, method, seed); a checkpoint of another identity is refused.
+    identity : names the run (scene, method, seed); a checkpoint of another identity is refused, as is one of another
+        version of the solver: what it continued would be neither version's result.
     """
 
     def __init__(self, path: Path | str, identity: str) -> None:
@@ -101,14 +113,14 @@ class Checkpoint:
         for key, array in arrays.items():
             if array.dtype.hasobject:
                 raise TypeError(f"checkpoint entry {key!r} is no array of numbers, number or string")
-        arrays[_IDENTITY] = np.asarray(self.identity)
+        arrays |= {_IDENTITY: np.asarray(self.identity), _SOURCES: np.asarray(_solver())}
         # Any: numpy's stub would read the keyword arrays as its own options.
         write_atomically(self.path, lambda file: np.savez(file, **arrays))  # type: ignore[arg-type]
 
     def load(self) -> State | None:
         """The saved state, or None if there is no checkpoint.
 
-        Raises CheckpointError for a file that is unreadable, cut short or of another run.
+        Raises CheckpointError for a file that is unreadable, cut short, of another run or another version.
         """
         if not self.path.exists():
             return None
@@ -124,6 +136,11 @@ class Checkpoint:
         if identity is None or str(identity) != self.identity:
             raise CheckpointError(
                 f"The checkpoint {self.path} belongs to another run; remove it to start from the beginning."
+            )
+        if str(arrays.pop(_SOURCES, None)) != _solver():
+            raise CheckpointError(
+                f"The checkpoint {self.path} was written by another version of the solver;"
+                " remove it to start from the beginning."
             )
         return {key: array if array.ndim else array.item() for key, array in arrays.items()}
 

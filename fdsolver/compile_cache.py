@@ -19,11 +19,16 @@ PACKAGES = (
 def folder() -> Path:
     """The folder of this source state, under XDG_CACHE_HOME or ~/.cache."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return home / "wrinklebench" / f"kernels-{source_digest()[:16]}"
+
+
+def source_digest() -> str:
+    """SHA-256 of all sources that the solver and its kernels are made of, in hexadecimal digits."""
     digest = hashlib.sha256()
     for package in PACKAGES:
         for source in sorted((Path(__file__).parent.parent / package).glob("*.py")):
             digest.update(source.name.encode() + b"\0" + source.read_bytes())
-    return home / "wrinklebench" / f"kernels-{digest.hexdigest()[:16]}"
+    return digest.hexdigest()
 
 
 def use() -> None:

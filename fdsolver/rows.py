@@ -12,6 +12,8 @@ from __future__ import annotations
 import numba
 import numpy as np
 
+from fdsolver.checked_cache import checked
+
 PITCH = (
     16392  # of one slot; 64 bytes off a multiple of 4096, so that slots do not fall on the same cache lines
 )
@@ -24,12 +26,12 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}  # never nnan or ninf: NaN must st
 
 def compiled(function):
     """Compile a kernel: cached on disk, IEEE special values kept, no Python exceptions for a division by zero."""
-    return numba.njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)(function)
+    return checked(numba.njit(cache=True, fastmath=FAST, error_model="numpy", nogil=True)(function))
 
 
 def threaded(function):
     """Compile a loop over bands of rows that `numba.prange` spreads over threads."""
-    return numba.njit(cache=True, parallel=True, error_model="numpy", nogil=True)(function)
+    return checked(numba.njit(cache=True, parallel=True, error_model="numpy", nogil=True)(function))
 
 
 def slots(count: int, start: int = 0) -> tuple[np.uint64, ...]:

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 
 from cases import load_result, load_scene, run
+from cases.folders import FolderRefused
 from cases.methods import Task
 from cases.results import ResultError
-from cases.runner import FolderRefused
 from fdsolver import meshes
 from fdsolver.checkpoint import CheckpointError, StorageError
 from fdsolver.result import Solution, Status
