@@ -37,6 +37,7 @@ class Point:
     nodes: int | None
     seed: int
     refused: str = ""
+    threads: int = 1
 
 
 @dataclass(frozen=True)

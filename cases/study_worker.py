@@ -48,6 +48,7 @@ def solve_point(point: Point, out: Path, resume: bool, interruption: Interruptio
                 point.method,
                 nodes=point.nodes,
                 seed=point.seed,
+                threads=point.threads,
                 out=out / point.name,
                 resume=resume,
                 progress=None if interruption is None else interruption.watch(None),
