@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from cases.bicubic import sample_bicubic_section
+from cases.checksums import check_files, document_is_damaged, sealed
 from cases.errors import errors_of
 from cases.files import (
     json_text,
@@ -86,7 +87,7 @@ def result_document(
     solution: AnySolution, scene: Scene, probes: Probes, effects: Mapping[str, Any], scene_hash: str
 ) -> dict[str, Any]:
     """The contract's keys of result.json; `mesh` (counts and quality) and `levels` (nested meshes) are our
-    additions.
+    additions, as are the checksums that `write_result` puts in.
     """
     grid, zone = solution.grid, solution.zone
     z = solution.r[..., 2]
@@ -168,7 +169,6 @@ def write_result(
     document = result_document(solution, scene, probes, effects, scene_hash)
 
     def fill(new: Path) -> None:
-        (new / "result.json").write_text(json_text(document), encoding="utf-8")
         (new / "scene.toml").write_text(scene_toml(scene), encoding="utf-8")
         if isinstance(solution, FiniteElementSolution):
             write_cells(new / "fields.npz", solution)
@@ -184,6 +184,7 @@ def write_result(
             write_csv(new / "paths" / f"{name}.csv", columns)
         for name, section in probes.sections.items():
             write_csv(new / "sections" / f"{name}.csv", section.columns())
+        (new / "result.json").write_text(json_text(sealed(document, new)), encoding="utf-8")
         if keep_checkpoint and (folder / CHECKPOINT_NAME).exists():
             shutil.copy2(folder / CHECKPOINT_NAME, new / CHECKPOINT_NAME)
 
@@ -201,6 +202,8 @@ def read_document(folder: Path | str) -> dict[str, Any]:
         raise ResultError(f"{path} cannot be read: {reason}.") from reason
     if not isinstance(document, dict) or "status" not in document:
         raise ResultError(f"{path} is not the result.json of a result folder.")
+    if document_is_damaged(document):
+        raise ResultError(f"{path} is damaged: it is not what was written.")
     return document
 
 
@@ -212,6 +215,7 @@ def load_result(folder: Path | str) -> AnySolution:
     folder = Path(folder)
     document = read_document(folder)
     try:
+        check_files(folder, document)
         return _solution(folder, document)
     except (*UNREADABLE, TypeError) as reason:
         text = f"{reason} is missing" if isinstance(reason, KeyError) else str(reason)

@@ -20,7 +20,7 @@ TABLE = "study.csv"
 # parts of result.json that are no number of the answer, or stand in the row under another name
 LEFT_OUT = frozenset(
     ("scene", "method", "status", "message", "seed", "versions", "machine", "code", "scene_hash", "mesh")
-    + ("levels", "errors", "warnings", "effects", "buckling", "threads")
+    + ("levels", "errors", "warnings", "effects", "buckling", "threads", "sha256")
 )
 WRINKLED = 1
 
