@@ -12,7 +12,12 @@ from reports.stored import Columns, Stored
 from reports.style import method_name, number, whole
 
 SLACK = 0
-SAID_ELSEWHERE = ("move_mm", "tolerance", "snapshots")  # in captions, as a residual, as figures
+SAID_ELSEWHERE = (
+    "move_mm",
+    "tolerance",
+    "snapshots",
+    "out_of_plane",
+)  # in captions, as a residual, as figures
 COARSER = 0.9  # of the planned nodes; a mesh has them within 5 %
 
 
@@ -97,9 +102,10 @@ def shortfalls(run: Stored) -> list[str]:
         status = run.status.replace("_", " ")
         found.append(run.message if run.message.lower().startswith(status) else f"{status}: {run.message}")
     mesh = run.scene.get("mesh")
-    planned = float(mesh.get("nodes", 0)) if isinstance(mesh, Mapping) else 0.0
+    count = "vertices" if run.finite_elements else "nodes"
+    planned = float(mesh.get(count, 0)) if isinstance(mesh, Mapping) else 0.0
     if run.value("nodes") < COARSER * planned:
-        found.append(f"It ended on a coarser mesh than the {whole(planned)} nodes planned.")
+        found.append(f"It ended on a coarser mesh than the {whole(planned)} {count} planned.")
     return found
 
 

@@ -259,3 +259,9 @@ def test_imposed_waves_stand_beside_random_starts_of_their_mesh(report):
     assert list(shown["imposed"]) == list(SCAN_HALF_WAVELENGTHS_MM)
     assert len(shown["seeds"]) == 3
     assert min(shown["energy"].min(), shown["seeds"][:, 1].min()) == 0.0
+
+
+def test_plates_of_both_scenes_keep_their_whole_energy():
+    runs = [r for r in report_runs(True, ["stretch", "shear"]) if r.method == "koiter"]
+    assert runs
+    assert all(run.overrides["effects.out_of_plane"] == "on" for run in runs)
