@@ -38,7 +38,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Amounts:
-    """How often each fault is made to happen: kills per run, of the study, of the report; the rest per array or file."""
+    """How often each fault happens: kills per run, of the study, of the report; the rest per array or file."""
 
     run: int = 18
     study: int = 10
