@@ -23,7 +23,9 @@ def critical(run: Stored) -> list[Mapping[str, object]]:
 def finest(runs: Sequence[Stored]) -> Stored | None:
     """The triangles with the most vertices among the runs with factors: quintics have the smaller error."""
     there = [run for run in runs if critical(run)]
-    return max(there, key=lambda s: (not s.run.overrides.get("solver.element"), s.value("nodes")), default=None)
+    return max(
+        there, key=lambda s: (not s.run.overrides.get("solver.element"), s.value("nodes")), default=None
+    )
 
 
 def partners_of(run: Stored, runs: Sequence[Stored]) -> list[Stored]:
@@ -98,6 +100,7 @@ def _errors(run: Stored) -> dict[int, float]:
 
 
 def to_float(value: object) -> float:
+    """A stored number, NaN for anything else."""
     return float(value) if isinstance(value, int | float) else math.nan
 
 

@@ -8,6 +8,8 @@ from pathlib import Path
 from cases.hard_table import read_hard
 from reports import (
     section_annulus,
+    section_buckling,
+    section_campaigns,
     section_hard,
     section_hole,
     section_ladder,
@@ -41,11 +43,15 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
         ("hole", section_hole),
         ("annulus", section_annulus),
     )
-    sections += [module.build(results) for scene, module in built if scene in scenes]
+    on_grids = {name: stored for name, stored in results.items() if not stored.finite_elements}
+    sections += [module.build(on_grids) for scene, module in built if scene in scenes]
+    if any(stored.method == "buckling" for stored in results.values()):
+        sections.append(section_buckling.build(results, benchmarks.parent))
     if scenes & set(LADDER):
         sections.append(section_ladder.build(results))
     sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
     sections.append(section_hard.build(read_hard(benchmarks.parent / "hard")))
+    sections.append(section_campaigns.build(benchmarks.parent))
     sections += [section_other.open_questions(), section_other.omissions(results)]
     return Report(
         "Wrinkled sheets: plate and tension field beside closed forms",

@@ -49,13 +49,20 @@ def draw_mode(ax: Axes, panel: Panel) -> Collection | None:
         unavailable(ax, panel.title, stored)
         return None
     from matplotlib.collections import LineCollection
+    from matplotlib.tri import Triangulation
 
     u, cells = stored.fields["u"], stored.fields["cells"]
     heights = stored.fields["modes"][panel.k]
     if heights[np.abs(heights).argmax()] < 0.0:  # the sign of a mode means nothing
         heights = -heights
     key = ax.tripcolor(
-        *u.T, halves(cells), heights, shading="gouraud", cmap=HEIGHT_COLOURS, vmin=-1, vmax=1, rasterized=True
+        Triangulation(u[:, 0], u[:, 1], halves(cells)),
+        heights,
+        shading="gouraud",
+        cmap=HEIGHT_COLOURS,
+        vmin=-1.0,
+        vmax=1.0,
+        rasterized=True,
     )
     ax.add_collection(LineCollection(list(u[rim(cells)]), colors="#777777", linewidths=0.5))
     plan_axes(ax, "reference")

@@ -87,7 +87,8 @@ def _title(letter: str, run: Stored | None, k: int, name: str = "") -> str:
     if k >= len(entries):
         return f"({letter}) {name}".strip()
     factor = number(to_float(entries[k].get("factor")), 4)
-    return f"({letter}) {name or f'mode {k + 1}'}\n{factor}, {entries[k].get('parity') or 'no parity'}"
+    between = ", " if name else "\n"
+    return f"({letter}) {name or f'mode {k + 1}'}\n{factor}{between}{entries[k].get('parity') or 'no parity'}"
 
 
 def beyond_words(found: Mapping[str, Stored], results: Mapping[str, Stored]) -> Text | None:
@@ -95,13 +96,16 @@ def beyond_words(found: Mapping[str, Stored], results: Mapping[str, Stored]) -> 
     far = {scene: run for scene, run in found.items() if times_critical(run) > MANY_TIMES}
     if not far:
         return None
-    loads = "; ".join(
-        f"the {NAMES[scene]} carries {number(times_critical(run), 3)} times its critical load, which is reached at "
-        f"{number(to_float(critical(run)[0].get('displacement_mm')), 2)} mm, "
-        f"{number(100.0 * to_float(critical(run)[0].get('displacement_mm')) / _thickness_mm(run), 2)} % of its thickness"
-        for scene, run in far.items()
-    )
+    loads = "; ".join(f"the {NAMES[scene]} carries {_load_words(run)}" for scene, run in far.items())
     return Text(f"What that means for references: {loads}.", (*_MEANING, *wave_words(far, results)))
+
+
+def _load_words(run: Stored) -> str:
+    displacement = to_float(critical(run)[0].get("displacement_mm"))
+    return (
+        f"{whole(times_critical(run))} times its critical load, which is reached at {number(displacement, 2)} mm, "
+        f"{number(100.0 * displacement / _thickness_mm(run), 2)}\u00a0% of its thickness"
+    )
 
 
 def times_critical(run: Stored) -> float:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
@@ -57,14 +57,18 @@ def window_words(quantities: Mapping[str, float], along: Columns) -> str:
         for end in ("appearance", "disappearance")
     ]
     if all(value is not None and error is not None for value, error in ends):
-        (low, low_error), (high, high_error) = ((100.0 * v, 100.0 * e) for v, e in ends if v and e is not None)
+        (low, low_error), (high, high_error) = (
+            (100.0 * v, 100.0 * e) for v, e in ends if v and e is not None
+        )
         return (
-            f"It is unstable from {low:.3f} ± {low_error:.1g} % to {high:.2f} ± {high_error:.1g} % of strain; ±: change "
-            "from the next coarser mesh."
+            f"It is unstable from {low:.3f} ± {low_error:.1g} % to {high:.2f} ± {high_error:.1g} % of strain; "
+            "±: change from the next coarser mesh."
         )
     brackets = changes(along)
     if brackets:
-        return "It changes its stability " + "; ".join(f"between {a:g} and {b:g} %" for a, b in brackets) + "."
+        return (
+            "It changes its stability " + "; ".join(f"between {a:g} and {b:g} %" for a, b in brackets) + "."
+        )
     return f"This was not run beside this report: {HOW}."
 
 
@@ -103,7 +107,7 @@ def _drawing(over: Columns, thickness_mm: float) -> Drawing:
         "Where flat strips are stable",
         "(a) Least thickness at which a flat strip of the scene's width is stable, against its strain, for several "
         "ratios of height to width: below its curve a sheet is wrinkled. (b) The largest of each curve: sheets above "
-        "never wrinkle, however they are pulled. Bars: change from a mesh of half the vertices. Broken line: the "
+        "are not wrinkled at any of these strains. Bars: change from a mesh of half the vertices. Broken line: the "
         "thickness of the scene." + _worst_words(over),
         "Curves of the least stable thickness against strain, one for each aspect ratio, and their largest values "
         "against the aspect ratio.",
@@ -116,8 +120,8 @@ def _worst_words(over: Columns) -> str:
     """How far the bars reach, of the thicknesses that are not small."""
     value, error = over["neutral_thickness_mm"], over["error_mm"]
     high = value > 0.25 * value.max()
-    return f" Largest bar above a quarter of the highest curve: {number(100.0 * float((error[high] / value[high]).max()), 2)} %."
-
+    worst = float((error[high] / value[high]).max()) if high.any() else 0.0
+    return f" Largest bar above a quarter of the highest curve: {number(100.0 * worst, 2)} %."
 
 
 _INTRODUCTION = (

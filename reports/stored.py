@@ -15,6 +15,7 @@ from cases.files import read_csv, read_snapshots
 from reports.run import ReportRun
 
 Columns = Mapping[str, np.ndarray]
+FINITE_ELEMENTS = ("buckling", "postbuckling")
 
 
 def refusal_path(folder: Path) -> Path:
@@ -82,6 +83,11 @@ class Stored:
     def method(self) -> str:
         """Name of the method."""
         return self.run.method
+
+    @property
+    def finite_elements(self) -> bool:
+        """Whether the fields are on vertices and cells instead of the rows of a grid."""
+        return self.method in FINITE_ELEMENTS
 
     @property
     def status(self) -> str:

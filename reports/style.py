@@ -28,6 +28,8 @@ METHOD_NAMES: Mapping[str, str] = {
     "tension-field": "relaxed membrane (tension-field)",
     "membrane": "unrelaxed membrane",
     "exact": "closed form",
+    "buckling": "finite elements, buckling",
+    "postbuckling": "finite elements, post-buckled",
 }
 STATE_COLOURS = ("#E4E4E4", "#F0B94D", "#33678F")  # slack, wrinkled, tense
 STATE_NAMES = ("slack", "wrinkled", "tense")
