@@ -195,6 +195,7 @@ def _relaxed_by(model: Model, task: Task) -> Solution:
         mass=solver.mass,
         levels=solver.levels,
         thicken=solver.thicken,
+        finish=solver.finish,
         max_steps=solver.max_steps,
         max_seconds=solver.max_seconds,
         threads=task.threads,

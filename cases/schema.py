@@ -241,6 +241,7 @@ class Solver(Table):
     )
     snapshots: int = Field(default=0, ge=0, le=1000, description="a whole number from 0 to 1000")
     published: Literal["printed", "filtered", "stabilised"] = "filtered"
+    finish: Literal["auto", "on", "off"] = "auto"
     prestress: Literal["linear", "finite"] = "linear"
     element: Literal["argyris", "bogner-fox-schmit", "morley"] = "argyris"
 

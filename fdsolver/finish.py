@@ -20,13 +20,17 @@ from threadpoolctl import threadpool_limits
 
 from fdsolver.cholesky import Cholesky, NotPositiveDefinite
 from fdsolver.dissection import Ordering, dissect
+from fdsolver.effects import Force
 from fdsolver.level import Level
 from fdsolver.relax import Settings, State, relax
 from fdsolver.residual import residual
 from fdsolver.result import Status
 from fdsolver.tangent import Tangent, reach_of, tangent
+from fdsolver.taut import follow
 
 SHIFT = 1e-8  # part of the diagonal added to the metric
+MOST_RELAXED = 12_000  # nodes of a relaxed membrane up to which finishing was found faster
+HARD = 1000  # steps of a relaxed membrane before an attempt: without slack zones it is at rest by then
 PATIENCE = 3  # the steps before an attempt over those before the one that failed
 MEMORY = 20  # pairs of L-BFGS
 REFACTOR = 25  # iterations with one factor
@@ -47,7 +51,12 @@ def suits(level: Level, settings: Settings) -> bool:
         return False
     if level.examined is not level.force:
         return False  # the force is no gradient: no tangent is symmetric
-    return settings.finish == "on" and level.model.bending
+    model = level.model
+    if type(level.force) is not Force or (model.relaxed and (model.bending or model.moderate)):
+        return False  # a part of a symmetric sheet, or a law that the finisher does not know
+    if settings.finish == "on":
+        return model.relaxed or model.bending
+    return model.relaxed and level.grid.nodes <= MOST_RELAXED
 
 
 def relax_or_finish(
@@ -61,7 +70,10 @@ def relax_or_finish(
     if not suits(level, settings):
         return relax(*place, settings, on_block, level.project)
     while True:
-        pause = replace(settings, max_steps=min(settings.max_steps, state.finish_at))
+        due = (
+            state.finish_at if level.model.bending or settings.finish == "on" else max(state.finish_at, HARD)
+        )
+        pause = replace(settings, max_steps=min(settings.max_steps, due))
         status = relax(*place, pause, on_block, level.project)
         if status is not Status.STEP_LIMIT or state.step >= settings.max_steps:
             return status
@@ -111,6 +123,14 @@ def finish(
         # One thread: the same bits whatever the machine is busy with, and no waiting for cores that others use.
         with threadpool_limits(1, user_api="blas"):
             state.v[:] = 0.0
+            if level.model.relaxed:
+
+                def record(state: State, energy: float, size: float) -> None:
+                    _record(state, energy, size)
+                    if on_step is not None:
+                        on_step(state)
+
+                return follow(level, state, settings, ordering, len(axes), record)
             for _ in range(MOST_ITERATIONS // REFACTOR):
                 metric = Metric(level, ordering, state.r, axes)
                 state.evaluations += metric.evaluations

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fdsolver.finish import finish, suits
 from fdsolver.grid import Grid
 from fdsolver.level import make_level
 from fdsolver.model import Model
@@ -28,6 +29,8 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     level = make_level(tiny, model, grid, threads)
     state = begin(level.scaled(1.01 * level.flat))
     relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20, threads=threads))
+    if suits(level, Settings()):
+        finish(level, begin(level.scaled(1.01 * level.flat)), Settings(tolerance=1e-12))
     if not model.relaxed and model.out_of_plane:
         search(level.force, state)
     return time.perf_counter() - started

@@ -1,0 +1,195 @@
+"""Finishing a relaxation: the same equilibrium in fewer steps, on every kind of mesh and model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fdsolver import finish, meshes, slack
+from fdsolver.edges import EdgeCondition
+from fdsolver.finish import FINISHED, relax_or_finish, suits
+from fdsolver.level import Level
+from fdsolver.material import Sheet
+from fdsolver.model import KOITER, MEMBRANE
+from fdsolver.multilevel import solve
+from fdsolver.problem import Problem
+from fdsolver.relax import Settings, begin
+from fdsolver.result import Solution, Status
+from fdsolver.tangent import tangent
+from tensionfield.relaxed import TENSION_FIELD
+from tests.sample_meshes import small_meshes
+
+FINE = Settings(tolerance=1e-10, levels=1)
+THICK, THIN = (Sheet(young_MPa=3500.0, poisson=0.31, thickness_mm=h) for h in (1.0, 0.05))
+
+
+def holed(nodes: int, pull: float, sheet: Sheet) -> Problem:
+    """A holed sheet of 50 mm x 125 mm, pulled along y at both ends."""
+    edges = {
+        "bottom": EdgeCondition("pinned", move_mm=(0.0, -pull, 0.0)),
+        "top": EdgeCondition("pinned", move_mm=(0.0, pull, 0.0)),
+    }
+
+    def grid_of(count: int):
+        return meshes.rectangle_with_hole(50.0, 125.0, 15.0, count)
+
+    return Problem(sheet, edges, grid_of(nodes), grid_of, perturbation=1e-6)
+
+
+def ring(nodes: int, sheet: Sheet) -> Problem:
+    """An annulus whose inner rim is lifted and turned."""
+    edges = {
+        "inner": EdgeCondition("pinned", move_mm=(0.0, 0.0, 60.0), rotate_deg=30.0),
+        "outer": EdgeCondition("pinned"),
+    }
+
+    def grid_of(count: int):
+        return meshes.annulus(62.5, 250.0, count)
+
+    return Problem(sheet, edges, grid_of(nodes), grid_of, perturbation=1e-6)
+
+
+def both(problem: Problem, model, settings: Settings) -> tuple[Solution, Solution]:
+    """The run finished and the run relaxed to the end."""
+    return tuple(solve(problem, model, replace(settings, finish=way)) for way in ("on", "off"))
+
+
+def finished_rows(solution: Solution) -> int:
+    return int((solution.history["restart"] == FINISHED).sum())
+
+
+@pytest.mark.parametrize("problem", [holed(1000, 1.0, THICK), ring(800, THICK)], ids=["hole", "annulus"])
+def test_plate_comes_to_the_state_that_relaxation_finds(problem: Problem) -> None:
+    finished, relaxed = both(problem, KOITER, FINE)
+    assert finished.status is relaxed.status is Status.CONVERGED
+    assert finished.residual < FINE.tolerance
+    # the residual over the softest stiffness: 1e-10 of a cell leaves 1e-8 of the bending of a soft mode
+    assert finished.energy_N_mm["total"] == pytest.approx(relaxed.energy_N_mm["total"], rel=1e-10)
+    np.testing.assert_allclose(finished.r, relaxed.r, rtol=0.0, atol=1e-5)
+    assert 0 < finished_rows(finished) < 60
+    assert finished.steps < relaxed.steps
+    assert finished_rows(relaxed) == 0
+
+
+def test_slack_sheet_comes_to_the_energy_and_reactions_that_relaxation_finds() -> None:
+    """Slack zones have no unique shape, but the energy is convex: energy, stress and reactions are unique."""
+    finished, relaxed = both(holed(2500, 6.25, THIN), TENSION_FIELD, replace(FINE, tolerance=1e-8))
+    assert finished.status is relaxed.status is Status.CONVERGED
+    assert (finished.zone.state == 0).any()
+    assert finished.energy_N_mm["total"] == pytest.approx(relaxed.energy_N_mm["total"], rel=1e-9)
+    np.testing.assert_allclose(finished.zone.stress_major, relaxed.zone.stress_major, rtol=0.0, atol=1e-2)
+    force = {name: reaction.force_N for name, reaction in finished.reactions.items()}
+    # residuals of 1e-8 on the nodes of an edge add up to less than a millionth of its force
+    np.testing.assert_allclose(
+        force["top"], relaxed.reactions["top"].force_N, rtol=0.0, atol=1e-6 * force["top"][1]
+    )
+    np.testing.assert_allclose(force["top"], -force["bottom"], rtol=0.0, atol=1e-6 * force["top"][1])
+    assert finished_rows(finished) < 60 and finished.steps < 0.2 * relaxed.steps
+
+
+def test_relaxed_annulus_in_space_comes_to_the_same_state() -> None:
+    finished, relaxed = both(ring(800, THIN), TENSION_FIELD, FINE)
+    assert finished.status is relaxed.status is Status.CONVERGED and finished_rows(finished)
+    np.testing.assert_allclose(finished.r, relaxed.r, rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", small_meshes())
+@pytest.mark.parametrize("components", [2, 3])
+def test_system_of_the_central_path_is_the_derivative_of_its_force(name: str, components: int) -> None:
+    """On the path the primal-dual step is Newton's: matrix and force belong to one smooth energy."""
+    grid = small_meshes()[name]
+    problem = Problem(THIN, {}, grid, lambda n: grid)
+    level = Level(problem, TENSION_FIELD, grid, 1)
+    random = np.random.default_rng(4)
+    r = level.scaled(level.flat * [1.03, 0.98, 1.0])
+    r += 0.03 * random.uniform(-1.0, 1.0, r.shape) * np.sqrt(grid.node_area.min()) / grid.length_mm
+    r, m, zone = np.ascontiguousarray(r[:components]), 1e-3, level.force.zone
+
+    class Smooth:
+        node, closed = None, grid.closed
+
+        def __call__(self, place: np.ndarray, f: np.ndarray) -> float:
+            return slack.central_force(place, zone, THIN.poisson, m, f)
+
+    partners, values = (
+        np.zeros((2, *zone.shape[1:])),
+        np.zeros((grid.ni, grid.nj, 3, 3, components, components)),
+    )
+    f, direct = np.empty_like(r), np.empty_like(r)
+    slack.recentre(r, zone, THIN.poisson, m, partners)
+    slack.newton_system(r, zone, THIN.poisson, m, partners, values, f)
+    energy = Smooth()(r, direct)
+    np.testing.assert_allclose(f, direct, rtol=0.0, atol=1e-13 * np.abs(direct).max())
+    expected = tangent(Smooth(), r, range(components)).values
+    # the third derivatives times the square of the step over sqrt(m) and over a cell: up to 3e-6 on the narrowest cells
+    np.testing.assert_allclose(values, expected, rtol=0.0, atol=1e-5 * np.abs(expected).max())
+    field, step = random.standard_normal(r.shape), 1e-6
+    ahead, behind = (
+        slack.central_force(r + sign * step * field, zone, THIN.poisson, m, f) for sign in (1, -1)
+    )
+    assert (behind - ahead) / (2 * step) == pytest.approx(float(np.vdot(direct, field)), rel=1e-6)
+    assert energy < ahead or energy < behind or np.isclose(energy, ahead, rtol=1e-3)
+
+
+def test_central_path_ends_in_the_relaxed_law() -> None:
+    x = np.array([-0.02, -1e-9, 0.0, 1e-9, 0.05])
+    np.testing.assert_allclose([slack.central(v, 1e-22) for v in x], np.maximum(x, 0.0), rtol=0.0, atol=2e-11)
+    for v, m in ((-0.3, 1e-3), (0.2, 1e-5), (0.0, 1e-4)):
+        s = slack.central(v, m)
+        assert s > 0.0 and s * (s - v) == pytest.approx(m, rel=1e-9)
+
+
+def test_indefinite_state_goes_back_to_relaxation() -> None:
+    """A sheet pressed flat has no Cholesky factor: the attempt leaves the state alone and relaxation goes on."""
+    grid = meshes.rectangle(20.0, 12.0, 400)
+    edges = {
+        name: EdgeCondition("pinned", move_mm=(x, 0.0, 0.0)) for name, x in (("left", 0.2), ("right", -0.2))
+    }
+    level = Level(Problem(THIN, edges, grid, lambda n: grid, perturbation=0.0), KOITER, grid, 1)
+    state = begin(level.start())
+    before = state.r.copy()
+    assert finish.finish(level, state, replace(FINE, finish="on")) is None
+    np.testing.assert_array_equal(state.r, before)
+    assert state.step == 0
+    settings = replace(FINE, finish="on", tolerance=1e-30, max_steps=900)
+    assert relax_or_finish(level, state, settings) is Status.STEP_LIMIT
+    assert state.step == 900 and state.finish_at == 1800  # attempts at 200 and 600
+
+
+def test_interrupted_finish_leaves_the_state_as_it_was() -> None:
+    problem = holed(700, 6.25, THIN)
+    level = Level(problem, TENSION_FIELD, problem.grid, 1)
+    state = begin(level.start())
+    before = {name: np.copy(value) for name, value in state.as_arrays().items()}
+
+    def interrupt(_: object) -> None:
+        if state.step >= 3:
+            raise KeyboardInterrupt
+
+    assert finish.finish(level, state, FINE, interrupt) is Status.INTERRUPTED
+    for name, value in state.as_arrays().items():
+        if name != "seconds":
+            np.testing.assert_array_equal(value, before[name], err_msg=name)
+
+
+def test_same_bits_for_one_and_two_threads() -> None:
+    problem = holed(1000, 1.0, THICK)
+    one, two = (solve(problem, KOITER, replace(FINE, finish="on", threads=n)) for n in (1, 2))
+    assert finished_rows(one)
+    np.testing.assert_array_equal(one.r, two.r)
+
+
+def test_who_is_finished() -> None:
+    grid = meshes.rectangle(20.0, 12.0, 400)
+    for model, settings, expected in (
+        (TENSION_FIELD, Settings(), True),
+        (TENSION_FIELD, Settings(finish="off"), False),
+        (TENSION_FIELD, Settings(damping="kinetic-published"), False),
+        (KOITER, Settings(), False),
+        (KOITER, Settings(finish="on"), True),
+        (MEMBRANE, Settings(finish="on"), False),
+    ):
+        level = Level(Problem(THIN, {}, grid, lambda n: grid), model, grid, 1)
+        assert suits(level, settings) is expected
