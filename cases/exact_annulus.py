@@ -48,6 +48,7 @@ def solve_annulus_scene(scene: Scene, grid: Grid) -> Solution:
 
 
 def annulus_problem(ring: object, sheet: Sheet, edges: Mapping[str, EdgeCondition]) -> AnnulusProblem:
+    """The axisymmetric boundary-value problem of an annular sheet held at both circles, lengths in mm."""
     assert isinstance(ring, AnnulusSheet)
     inner, outer = edges["inner"], edges["outer"]
     return AnnulusProblem(

@@ -20,7 +20,9 @@ from fdsolver.verdict import LEFT_OVER, MOST_HOURGLASS
 
 EDGES = ("left", "right", "bottom", "top")
 NAMED = 0.1  # zigzag of the ghost rows, in spacings, that is named as the cause of a failed run
-GROWING = 0.1  # hourglass share; right wrinkles on coarse meshes have 0.06, and what the scheme does not see grows
+GROWING = (
+    0.1  # hourglass share; right wrinkles on coarse meshes have 0.06, and what the scheme does not see grows
+)
 CARRIES = "The result carries a checkerboard of the mesh beside its wrinkles."
 BLIND = (
     "Its share is {:.2g}, and the published scheme does not see it: under (-1)^(i+j) neither zone gradients nor"

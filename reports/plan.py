@@ -75,7 +75,15 @@ def report_runs(full: bool = False, scenes: Sequence[str] | None = None) -> list
 
     Raises ValueError for a scene that the report does not have.
     """
-    runs = [*stretch_runs(), *_annulus_meshes(), *_hole(), *_ladder(), *buckling_runs(), *shear_runs(), *_annulus()]
+    runs = [
+        *stretch_runs(),
+        *_annulus_meshes(),
+        *_hole(),
+        *_ladder(),
+        *buckling_runs(),
+        *shear_runs(),
+        *_annulus(),
+    ]
     known = {run.scene for run in runs}
     unknown = [scene for scene in scenes or () if scene not in known]
     if unknown:

@@ -50,7 +50,9 @@ def test_sparse_tangent_is_the_out_of_plane_block_of_the_dense_one(model, name: 
     found = sparse_tangent(force, r, (2,), planar.STEP)
     expected = tangent(force, r)[2 * grid.nodes :, 2 * grid.nodes :]
     # the dense differences err by the square of their step over the cells', 1e-9
-    np.testing.assert_allclose(found.matrix().toarray(), expected, rtol=0.0, atol=1e-7 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        found.matrix().toarray(), expected, rtol=0.0, atol=1e-7 * np.abs(expected).max()
+    )
     # both signs, 5 x 5 groups, and up to 4 rows left over of a closed direction
     assert found.evaluations <= 2 * 81
 
