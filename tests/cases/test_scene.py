@@ -281,7 +281,17 @@ def test_written_scene_has_every_key_of_every_table():
         *("sections", "paths"),
     }
     assert set(document["solver"]) == {
-        *("tolerance", "damping", "mass", "levels", "max_steps", "max_seconds", "published", "thicken"),
+        *(
+            "tolerance",
+            "damping",
+            "mass",
+            "levels",
+            "max_steps",
+            "max_seconds",
+            "published",
+            "thicken",
+            "finish",
+        ),
         *("snapshots", "prestress", "element"),
     }
 
