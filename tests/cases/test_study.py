@@ -17,13 +17,17 @@ from cases.study import run_study
 from cases.study_file import load_study
 from cases.study_worker import LOGS, note_path
 
-# a plate too large to be finished before it is killed, beside points that need no iteration
+# a plate that is not finished before it is killed, beside a point that needs no iteration
 STUDY = '[study]\nscene = "scene.toml"\nmethods = ["koiter", "exact"]\nnodes = [40000]\n'
 PATIENCE = 200.0  # seconds: a worker may have to compile its kernels on a busy machine
 
 
 def make_scene(folder, max_seconds):
-    scene = load_scene("strip-tension", {"solver.max_seconds": max_seconds, "start.perturbation": 1e-3})
+    endless = {
+        "solver.tolerance": 1e-14,
+        "start.perturbation": 1e-3,
+    }  # below what rounding lets the residual fall to
+    scene = load_scene("strip-tension", {"solver.max_seconds": max_seconds, **endless})
     (folder / "scene.toml").write_text(scene_toml(scene), encoding="utf-8")
 
 
@@ -96,7 +100,7 @@ def test_a_killed_worker_takes_nothing_with_it_and_its_point_goes_on(study):
     assert {point.name for point in again.points} == {point.name for point in found.points}
     before = (out / again.points[1].name / "result.json").stat().st_mtime_ns
     table = run_study(again, out, jobs=1).set_index("method")
-    assert table.loc["koiter", "status"] in ("time_limit", "converged")
+    assert table.loc["koiter", "status"] == "time_limit"
     assert not note_path(out, koiter.name).exists()
     assert (out / again.points[1].name / "result.json").stat().st_mtime_ns == before, (
         "a finished point was solved again"

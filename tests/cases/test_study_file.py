@@ -68,6 +68,15 @@ def test_a_scene_file_is_found_beside_the_study(write, monkeypatch, tmp_path):
     assert study.scene == str(tmp_path / "mine.toml")
 
 
+def test_another_scene_of_the_same_name_has_other_points(write):
+    names = []
+    for thickness in (0.1, 0.2):
+        write(scene_toml(load_scene("stretch", {"sheet.thickness_mm": thickness})), "mine.toml")
+        study = load_study(write('[study]\nscene = "mine.toml"\nmethods = ["membrane"]\n'))
+        names += [point.name for point in study.points]
+    assert names[0] != names[1], "its results must not be taken for the other's"
+
+
 def test_points_that_cannot_be_solved_are_kept_with_the_reason(write):
     study = load_study(write('[study]\nscene = "hole"\nmethods = ["exact", "tension-field"]\n'))
     assert [bool(point.refused) for point in study.points] == [True, False]
