@@ -10,6 +10,7 @@ from reports import (
     section_annulus,
     section_buckling,
     section_campaigns,
+    section_cost,
     section_hard,
     section_hole,
     section_ladder,
@@ -17,6 +18,7 @@ from reports import (
     section_published,
     section_shear,
     section_stretch,
+    section_study,
 )
 from reports.content import Report, Section
 from reports.plan import LADDER
@@ -32,7 +34,8 @@ def read_results(runs: Sequence[ReportRun], folder: Path) -> dict[str, Stored]:
 def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) -> Report:
     """Return the content of the report.
 
-    benchmarks : path of `benchmarks.json`, which need not exist.
+    benchmarks : path of `benchmarks.json`, which need not exist. What `wrinkle cost` and `wrinkle study` left is looked
+    for beside its folder.
     """
     scenes = {stored.run.scene for stored in results.values()}
     sections: list[Section] = [section_other.summary(results, full)]
@@ -49,6 +52,9 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
         sections.append(section_buckling.build(results, benchmarks.parent))
     if scenes & set(LADDER):
         sections.append(section_ladder.build(results))
+    beside = benchmarks.parent.parent
+    sections.append(section_cost.build(section_cost.read_costs(beside)))
+    sections.append(section_study.build(section_study.read_studies(beside)))
     sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
     sections.append(section_hard.build(read_hard(benchmarks.parent / "hard")))
     sections.append(section_campaigns.build(benchmarks.parent))

@@ -20,11 +20,14 @@ Document = Mapping[str, Any]
 
 
 def read_costs(folder: Path) -> dict[str, Document]:
-    """Scene -> cost.json of every `SCENE-cost` in a folder."""
+    """Scene -> cost.json of every `SCENE-cost` in a folder; a damaged one is left out."""
     found = {}
     for path in sorted(folder.glob("*-cost/cost.json")):
-        document = json.loads(path.read_text(encoding="utf-8"))
-        found[str(document["scene"])] = document
+        try:
+            document = json.loads(path.read_text(encoding="utf-8"))
+            found[str(document["scene"])] = document
+        except (OSError, ValueError, KeyError, TypeError):
+            continue
     return found
 
 
