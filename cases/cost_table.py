@@ -85,38 +85,49 @@ def _with_errors(one: Measured, known: Mapping[tuple[str, str], Reference]) -> M
     return Measured(one.run, one.status, one.message, one.repeats, one.costs, one.numbers, one.values, errors)
 
 
+def lasting_error(rows: Sequence[Measured], one: Measured, quantity: str) -> float:
+    """The largest error of a run and of all finer meshes of its method, by the same option or the scene's own.
+
+    An error that happens to pass through zero on one mesh is no accuracy.
+    """
+    nodes = one.numbers["nodes"] or 0
+    finer = [
+        other
+        for other in rows
+        if other.run.point.method == one.run.point.method
+        and (
+            other.run.option == one.run.option
+            or (not other.run.option and (other.numbers["nodes"] or 0) > nodes)
+        )
+        and (other.numbers["nodes"] or 0) >= nodes
+        and other.converged
+    ]
+    return max((other.errors.get(quantity, math.inf) for other in finer), default=math.inf)
+
+
 def pareto(rows: Sequence[Measured], quantity: str, cost: str = "cpu_seconds") -> list[Measured]:
-    """The converged runs that no other one beats in both cost and error, cheapest first."""
+    """The converged runs that no other one beats in both cost and lasting error, cheapest first."""
     ready = [
         one for one in rows if one.converged and quantity in one.errors and one.run.point.method != "exact"
     ]
+    lasting = [(one.costs[cost][0], lasting_error(rows, one, quantity), k) for k, one in enumerate(ready)]
     front: list[Measured] = []
-    for one in sorted(ready, key=lambda row: (row.costs[cost][0], row.errors[quantity])):
-        if not front or one.errors[quantity] < front[-1].errors[quantity]:
-            front.append(one)
+    best = math.inf
+    for _, error, k in sorted(lasting):
+        if error < best:
+            front.append(ready[k])
+            best = error
     return front
 
 
 def cheapest(rows: Sequence[Measured], model: str, quantity: str, target: float) -> Measured | None:
-    """The cheapest run of a model whose error is below the target, and stays there on every finer mesh of its series.
-
-    An error that passes through zero on its way is no accuracy.
-    """
-    good = []
-    for one in rows:
-        if not (one.converged and MODELS[one.run.point.method] == model and quantity in one.errors):
-            continue
-        finer = [
-            other
-            for other in rows
-            if other.run.series == one.run.series
-            and (other.numbers["nodes"] or 0) >= (one.numbers["nodes"] or 0)
-        ]
-        if one.run.point.method != "exact" and all(
-            other.errors.get(quantity, math.inf) <= target for other in finer
-        ):
-            good.append(one)
-    return min(good, key=lambda row: row.costs["cpu_seconds"][0], default=None)
+    """The cheapest run of a model whose lasting error is below the target."""
+    good = [
+        one
+        for one in pareto([row for row in rows if MODELS[row.run.point.method] == model], quantity)
+        if lasting_error(rows, one, quantity) <= target
+    ]
+    return good[0] if good else None
 
 
 def sentences(rows: Sequence[Measured], found: Sequence[Reference]) -> list[str]:

@@ -80,11 +80,12 @@ def band(figure: FigureBase, table: pd.DataFrame) -> None:
         ax.set_xlabel("twist (degrees)")
         if k == 0:
             ax.set_ylabel("radius (mm)")
+        else:
+            ax.tick_params(labelleft=False)
+        if k == len(lifts) - 1:  # most lifted, least wrinkled: there is room above
             ax.plot([], [], color=colour("exact"), linewidth=0.8, label=method_name("exact"))
             ax.plot([], [], color=colour("tension-field"), linewidth=2.0, label=method_name("tension-field"))
             ax.legend(loc="upper left", fontsize=6.0)
-        else:
-            ax.tick_params(labelleft=False)
 
 
 def _component(vectors: pd.Series, axis: int) -> pd.Series:

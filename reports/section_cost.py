@@ -77,7 +77,8 @@ def _drawing(scene: str, document: Document, quantities: Sequence[str]) -> Drawi
         f"Work and precision, {scene}",
         f"Error of {' and of '.join(quantities)} against CPU time without compilation. Lines join meshes of one method,"
         " dots are other ways to iterate, bars the spread of repeats, crosses above the frame runs without an answer;"
-        f" the grey line joins the runs that no other beats. References: {hows}.",
+        f" the grey line joins the runs that no other beats in time and in the largest error of their own and all finer"
+        f" meshes. References: {hows}.",
         f"Errors falling with CPU time for the methods of the scene {scene}.",
         partial(
             figures.work_precision,
@@ -108,7 +109,7 @@ def _table(scene: str, document: Document, quantity: str) -> Table:
         for row in front
     )
     return Table(
-        f"Runs on {scene} that none beats in both CPU time and error of {quantity}.",
+        f"Runs on {scene} that none beats in CPU time and in the error that lasts on finer meshes, of {quantity}.",
         (
             *("method", "iteration", "nodes", "error (%)", "CPU (s)", "spread (s)", "wall (s)"),
             *("force evaluations", "compilation (s)", "memory (MB)"),
