@@ -81,8 +81,8 @@ def report_runs(full: bool = False, scenes: Sequence[str] | None = None) -> list
         *_hole(),
         *_ladder(),
         *buckling_runs(),
-        *shear_runs(),
         *_annulus(),
+        *shear_runs(),
     ]
     known = {run.scene for run in runs}
     unknown = [scene for scene in scenes or () if scene not in known]
