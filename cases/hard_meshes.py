@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
@@ -120,6 +121,10 @@ def affine_finding(grid: Grid, model: Model) -> Finding:
     )
 
 
+def _on_mesh(make: Callable[[], Grid], model: Model) -> Finding:
+    return affine_finding(make(), model)
+
+
 def mesh_cases() -> list[HardCase]:
     """Every mesh under every model."""
     return [
@@ -129,7 +134,7 @@ def mesh_cases() -> list[HardCase]:
             f"{title}, {model.name}",
             ("converged",),
             REASON,
-            lambda make=make, model=model: affine_finding(make(), model),  # type: ignore[misc]
+            partial(_on_mesh, make, model),
         )
         for name, (title, make) in MESHES.items()
         for model in (KOITER, TENSION_FIELD)

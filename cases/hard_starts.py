@@ -190,7 +190,7 @@ def disguises() -> list[HardCase]:
             _disguise(
                 f"noise-1e{power}",
                 f"perturbation of 1e{power} widths",
-                lambda amplitude=amplitude: pulled_strip(PULL, NODES, perturbation=amplitude),  # type: ignore[misc]
+                functools.partial(pulled_strip, PULL, NODES, perturbation=amplitude),
                 one_level,
             )
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -44,7 +44,7 @@ def time_steps() -> list[HardCase]:
             f"time step of {share:g} times its bound",
             ("converged",),
             reason,
-            lambda share=share: find(share),  # type: ignore[misc]
+            partial(find, share),
         )
         for share in (0.5, 0.9, 0.99, 1.01, 1.5, 4.0)
     ]
@@ -108,7 +108,7 @@ def units() -> list[HardCase]:
     ]
 
     def case(name: str, length: float, stress: float, bits: bool, model: Model) -> HardCase:
-        find: Callable[[], Finding] = lambda: _in_units(model, length, stress, bits)  # noqa: E731
+        find = partial(_in_units, model, length, stress, bits)
         title = f"annulus, {model.name}, numbers of the size of {name}" + (": the same bits" if bits else "")
         return HardCase(
             f"units-{name.replace(' ', '-')}-{model.name}", "units", title, ("converged",), reason, find
