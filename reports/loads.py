@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from cases.envelope import envelope, mean_wavelength
+from cases.results import ResultError, load_result
 from cases.schema import Line
+from fdsolver.result import Solution
 from reports.plan_sheets import STRIP_LENGTH_MM
 from reports.run import ReportRun
 from reports.stored import Stored
@@ -39,6 +41,20 @@ def section_line(run: Stored) -> Line | None:
     sections = run.scene.get("sections")
     line = sections.get(MIDDLE) if isinstance(sections, dict) else None
     return None if line is None else Line(**line)
+
+
+def readable_states(runs: Iterable[Stored]) -> Iterator[tuple[Stored, Line, Solution]]:
+    """Every run on a structured mesh with a readable shape and a line across the middle, with these."""
+    for run in runs:
+        line = section_line(run)
+        if not run.drawable or line is None:
+            continue
+        try:
+            state = load_result(run.folder)
+        except ResultError:
+            continue
+        if isinstance(state, Solution):
+            yield run, line, state
 
 
 def crest_height(stored: Stored) -> float:

@@ -6,10 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from cases.results import ResultError, load_result
-from fdsolver.result import Solution
 from reports.content import Table, Text
-from reports.loads import section_line
+from reports.loads import readable_states
 from reports.stored import Stored
 from reports.style import number, whole
 
@@ -45,22 +43,11 @@ def seed_states(seeds: Sequence[Stored]) -> pd.DataFrame:
 
     from cases.families import families
 
-    there, states = [], []
-    for run in seeds:
-        line = section_line(run)
-        if not run.drawable or line is None:
-            continue
-        try:
-            state = load_result(run.folder)
-        except ResultError:
-            continue
-        if isinstance(state, Solution):
-            states.append(state)
-            there.append((run.run.name, line))
-    if not there:
+    found = list(readable_states(seeds))
+    if not found:
         return pd.DataFrame()
-    table = families(states, there[0][1])
-    table.index = pd.Index([name for name, _ in there])
+    table = families([state for _, _, state in found], found[0][1])
+    table.index = pd.Index([run.run.name for run, _, _ in found])
     return table
 
 

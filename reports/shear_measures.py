@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 
-from cases.results import ResultError, load_result
 from cases.sheared import ShearMeasures, shear_measures
-from fdsolver.result import Solution
-from reports.loads import WRINKLED, section_line
+from reports.loads import WRINKLED, readable_states
 from reports.stored import Stored
 
 Measured = Mapping[str, ShearMeasures]
@@ -17,18 +15,11 @@ SHAPE = ("half_wavelength_mm", "crest_deg", "zero_crossings")  # of wrinkles; a 
 
 def measure_all(runs: Iterable[Stored]) -> dict[str, ShearMeasures]:
     """Measures by the run's name, of all runs with a readable shape and a section."""
-    found = {}
-    for run in runs:
-        line = section_line(run)
-        if not run.drawable or line is None:
-            continue
-        try:
-            state = load_result(run.folder)
-        except ResultError:
-            continue
-        if isinstance(state, Solution) and "top" in state.reactions:
-            found[run.run.name] = shear_measures(state, line)
-    return found
+    return {
+        run.run.name: shear_measures(state, line)
+        for run, line, state in readable_states(runs)
+        if "top" in state.reactions
+    }
 
 
 def value_of(measured: Measured, run: Stored, name: str, thickness_mm: float) -> float:
