@@ -119,7 +119,7 @@ def test_workers_end_with_a_killed_study(study, project):
         worker = wait_for(lambda: worker_of(out, "koiter"))
         running.kill()
         running.communicate()
-        wait_for(lambda: gone(worker))
+        assert wait_for(lambda: gone(worker))
     finally:
         running.kill()
         running.communicate()

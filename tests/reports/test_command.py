@@ -108,7 +108,7 @@ def test_wrong_override_is_a_refusal(tmp_path):
 
 def test_every_planned_scene_and_override_loads():
     for run in report_runs(True):
-        cases.load_scene(run.scene, run.overrides)
+        assert cases.load_scene(run.scene, run.overrides).name == run.scene
 
 
 def test_report_has_every_scene_of_this_version():
