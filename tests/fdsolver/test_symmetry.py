@@ -186,7 +186,8 @@ def test_loads_without_the_symmetry_are_refused(symmetry, edges, shape: str, why
 def test_symmetric_loads_are_taken() -> None:
     for make, edges, symmetry in CASES:
         grid = make(500)
-        refuse_unsymmetric(symmetry, edges, grid.shape, grid.length_mm)  # raises where a load lacks the symmetry
+        # raises where a load lacks the symmetry
+        refuse_unsymmetric(symmetry, edges, grid.shape, grid.length_mm)
 
 
 def test_sectors_must_divide_the_rows() -> None:
