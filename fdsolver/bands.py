@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numba
 
-from fdsolver import membrane, membrane_plane, plate, plate_linear
+from fdsolver import membrane, membrane_plane, plate, plate_linear, plate_plane
 from fdsolver.rows import threaded
 
 
@@ -27,6 +27,15 @@ def membrane_bands(law, r, f, zone, energy, rows, columns, closed, scratch):
     for k in numba.prange(bands):
         start, stop = k * rows // bands, (k + 1) * rows // bands
         membrane.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k])
+
+
+@threaded
+def plate_plane_bands(law, r, f, zone, energy, rows, columns, closed, scratch, hourglass):
+    """`plate_plane.band` on all rows."""
+    bands = scratch.shape[0]
+    for k in numba.prange(bands):
+        start, stop = k * rows // bands, (k + 1) * rows // bands
+        plate_plane.band(law, r, f, zone, energy, rows, columns, closed, start, stop, scratch[k], hourglass)
 
 
 @threaded

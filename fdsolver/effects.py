@@ -7,8 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fdsolver import membrane, membrane_plane, plate, plate_linear
-from fdsolver.bands import membrane_bands, plane_bands, plate_bands, plate_linear_bands
+from fdsolver import membrane, membrane_plane, plate, plate_linear, plate_plane
+from fdsolver.bands import (
+    membrane_bands,
+    plane_bands,
+    plate_bands,
+    plate_linear_bands,
+    plate_plane_bands,
+)
 from fdsolver.curvature import curvature_constants
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
@@ -26,12 +32,14 @@ class Kernel:
     slots: int
 
 
-# by number of displacement components and kind of curvature; the kinematics come with the type of the law
+# by number of displacement components, whether it is a plate, and kind of curvature; the kinematics come with the type
+# of the law
 KERNELS = {
-    (2, "none"): Kernel(membrane_plane.band, plane_bands, membrane_plane.SLOTS),
-    (3, "none"): Kernel(membrane.band, membrane_bands, membrane.SLOTS),
-    (3, "linear"): Kernel(plate_linear.band, plate_linear_bands, plate_linear.SLOTS),
-    (3, "full"): Kernel(plate.band, plate_bands, plate.SLOTS),
+    (2, False, "none"): Kernel(membrane_plane.band, plane_bands, membrane_plane.SLOTS),
+    (2, True, "none"): Kernel(plate_plane.band, plate_plane_bands, plate_plane.SLOTS),
+    (3, False, "none"): Kernel(membrane.band, membrane_bands, membrane.SLOTS),
+    (3, True, "linear"): Kernel(plate_linear.band, plate_linear_bands, plate_linear.SLOTS),
+    (3, True, "full"): Kernel(plate.band, plate_bands, plate.SLOTS),
 }
 
 
@@ -41,7 +49,8 @@ class Force:
 
     law : membrane law; relaxed : whether it carries no compression. components : 2 in the plane, 3 in space.
     zone : (5, zone rows, nj - 1) float64 of `membrane.zone_constants`.
-    node, twist : float64 constants of `plate` or `plate_linear`; None: bending is off.
+    node, twist : float64 constants of `plate` or `plate_linear`; node None: nothing is curved. In its plane a plate
+        keeps of twist the three fields of `plate.hourglass_constants`; None: no plate.
     bound : (ni, nj) float64, stiffness bound of a linear curvature; None where it depends on the state or is off.
     scratch : (threads, ...) float64, one flat array per thread.
     """
@@ -70,12 +79,12 @@ class Force:
         mesh = (self.zone.reshape(-1), self.row_energy, self.rows, self.columns, self.closed)
         place = (0, self.rows, self.scratch[0]) if threads == 1 else (self.scratch,)
         evaluate = self.kernel.band if threads == 1 else self.kernel.bands
-        bending: tuple[np.ndarray | None, ...] = ()
-        if self.node is not None and self.twist is not None:
-            bending = (self.node.reshape(-1), self.twist.reshape(-1))
+        constants: list[np.ndarray | None] = [
+            part.reshape(-1) for part in (self.node, self.twist) if part is not None
+        ]
         if self.bound is not None and self.node is not None:
-            bending += (self.node[7:].reshape(-1) if len(self.node) > 7 else None,)
-        evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place, *bending)
+            constants.append(self.node[7:].reshape(-1) if len(self.node) > 7 else None)
+        evaluate(self.law, r.reshape(-1), f.reshape(-1), *mesh, *place, *constants)
         return self.row_energy.sum(axis=1)
 
     @property
@@ -109,9 +118,11 @@ def build_force(
         node = (
             plate.node_constants(k) if model.curvature == "full" else plate_linear.linear_constants(grid, k)
         )
+    elif model.bending:
+        twist = plate.hourglass_constants(grid)
     if node is not None and twist is not None and model.curvature == "linear":
         bound = plate_linear.stiffness_bound(node, twist, grid.closed)
-    kernel = KERNELS[model.components, model.curvature]
+    kernel = KERNELS[model.components, model.bending, model.curvature]
     return Force(
         kernel=kernel,
         law=under_moderate_rotation(law) if model.moderate else law,

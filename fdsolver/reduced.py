@@ -118,11 +118,12 @@ def reduced_force(force: Force, cut: Reduction) -> ReducedForce:
     zone = force.zone[:, rows[:-1]][:, :, columns[:-1]]
     zone[4] *= cut.zone_share
     node, twist, bound = force.node, force.twist, force.bound
+    if twist is not None:
+        twist = np.ascontiguousarray(twist[:, rows[:-1]][:, :, columns[:-1]])
+        twist[:-2] *= cut.zone_share
     if node is not None and twist is not None:
         node = np.ascontiguousarray(node[:, rows][:, :, columns])
-        twist = np.ascontiguousarray(twist[:, rows[:-1]][:, :, columns[:-1]])
         node[[k for k in MODULI[bound is not None] if k < len(node)]] *= cut.node_share
-        twist[:2] *= cut.zone_share
         bound = None if bound is None else stiffness_bound(node, twist, closed=False)
     values = {field.name: getattr(force, field.name) for field in fields(Force)}
     values.update(rows=len(rows), columns=len(columns), closed=False, zone=np.ascontiguousarray(zone))

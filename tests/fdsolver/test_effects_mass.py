@@ -31,6 +31,7 @@ MODELS = {
     "moderate tension field": (dataclasses.replace(TENSION_FIELD, moderate=True), THIN),
     "membrane in its plane": (dataclasses.replace(MEMBRANE, out_of_plane=False), THIN),
     "tension field in its plane": (dataclasses.replace(TENSION_FIELD, out_of_plane=False), THIN),
+    "plate in its plane": (dataclasses.replace(KOITER, out_of_plane=False), THIN),
 }
 
 
@@ -89,7 +90,9 @@ def test_planar_masses_are_inverted(mesh: str) -> None:
 
 
 @pytest.mark.parametrize("damping", ["adaptive", "kinetic", "kinetic-published"])
-@pytest.mark.parametrize("model", ["membrane in its plane", "tension field in its plane"])
+@pytest.mark.parametrize(
+    "model", ["membrane in its plane", "tension field in its plane", "plate in its plane"]
+)
 def test_a_planar_run_ends_where_the_run_in_space_ends(model: str, damping: str) -> None:
     """A pull in the plane, where nothing leaves the plane: two components find the same equilibrium as three."""
     law, sheet = MODELS[model]

@@ -9,7 +9,7 @@ import numba
 import numpy as np
 import pytest
 
-from fdsolver import membrane, membrane_plane, meshes, plate_linear, plate_rows
+from fdsolver import membrane, membrane_plane, meshes, plate_linear, plate_plane, plate_rows
 from fdsolver.effects import build_force
 from fdsolver.mass import nodal_masses
 from fdsolver.material import Sheet
@@ -27,6 +27,8 @@ ROWS = {
     "full": (plate_rows.node_moment_row, (SCRATCH, numba.float64, COLUMNS)),
     "linear": (plate_linear.node_moment_row, (SCRATCH, COLUMNS, SCRATCH)),
     "linear, orthogonal": (plate_linear.node_moment_row, (SCRATCH, COLUMNS, numba.none)),
+    "hourglass, plane": (plate_plane.hourglass_row, (SCRATCH, COLUMNS)),
+    "zone moments, full": (plate_rows.zone_moment_row, (SCRATCH, COLUMNS)),
 }
 
 
@@ -69,6 +71,8 @@ def branches(code: str) -> int:
         # no normal, no cross products, one component instead of three
         ("linear", "full", 0.5),
         ("linear, orthogonal", "linear", 0.75),
+        # two components of three, and no moment, normal or cross product
+        ("hourglass, plane", "zone moments, full", 0.4),
     ],
 )
 def test_leaving_an_effect_out_leaves_its_operations_out(
@@ -84,18 +88,19 @@ def test_no_array_of_an_effect_that_is_off() -> None:
     grid = meshes.rectangle(20.0, 12.0, 500)
     sheet = Sheet(3500.0, 0.31, 0.1)
 
-    def parts(model: Model) -> tuple[int, int, int, int]:
+    def parts(model: Model) -> tuple[int, int, int, int, int]:
         force = build_force(grid, sheet, model, {})
         r = np.zeros((model.components, grid.ni, grid.nj))
         r[:2] = np.moveaxis(grid.u, 2, 0) / grid.length_mm
-        node = 0 if force.node is None else len(force.node)
-        return len(r), len(nodal_masses(force, r, r, force.relaxed)), node, force.kernel.slots
+        node, twist = (0 if field is None else len(field) for field in (force.node, force.twist))
+        return len(r), len(nodal_masses(force, r, r, force.relaxed)), node, twist, force.kernel.slots
 
     plane = parts(dataclasses.replace(MEMBRANE, out_of_plane=False))
     flat_plate = parts(dataclasses.replace(KOITER, out_of_plane=False))
     space, linear, full = parts(MEMBRANE), parts(dataclasses.replace(KOITER, moderate=True)), parts(KOITER)
-    assert plane[:3] == flat_plate[:3] == (2, 3, 0)
-    assert space[:3] == (3, 6, 0)
-    assert linear[2] == 7  # on a rectangle: no coupling of the mixed curvature
-    assert full[2] == 8
-    assert plane[3] < space[3] < linear[3] < full[3]
+    assert plane[:4] == (2, 3, 0, 0)
+    assert flat_plate[:4] == (2, 3, 0, 3)  # of the plate its hourglass stiffness is left
+    assert space[:4] == (3, 6, 0, 0)
+    assert linear[2:4] == (7, 4)  # on a rectangle: no coupling of the mixed curvature
+    assert full[2:4] == (8, 4)
+    assert plane[4] < flat_plate[4] <= space[4] < linear[4] < full[4]

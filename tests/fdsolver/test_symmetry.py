@@ -36,6 +36,7 @@ MODELS = {
     "e3": dataclasses.replace(KOITER, strain_gradient=False),
     "tension field": TENSION_FIELD,
     "plane": dataclasses.replace(MEMBRANE, out_of_plane=False),
+    "plane plate": dataclasses.replace(KOITER, out_of_plane=False),
 }
 MIRRORED = [
     Symmetry(reduce, parity) for reduce in ("half-x", "half-y", "quarter") for parity in ("even", "odd")
