@@ -8,7 +8,7 @@ from dataclasses import replace
 from importlib import util
 from pathlib import Path
 
-from cases.machine import LIBRARIES, code, machine, version_of, versions
+from cases.machine import LIBRARIES, OPTIONAL, code, machine, version_of, versions
 
 MODULES = {"scikit-fem": "skfem"}
 NEEDED = (*LIBRARIES, "rich", "jinja2")
@@ -22,7 +22,7 @@ def examine(bench: bool = False) -> int:
     sources = str(ours["source_sha256"])[:12]
     print(f"wrinklebench {ours['version'] or '(not installed)'}, source digest {sources}")
     for name, version in {**versions(), **{name: version_of(name) for name in ("rich", "jinja2")}}.items():
-        print(f"  {name:<13}{version or 'missing'}")
+        print(f"  {name:<13}{version or ('not installed, optional' if name in OPTIONAL else 'missing')}")
     for name, value in machine().items():
         print(f"  {name:<13}{'unknown' if value is None else value}")
     threads = os.environ.get("NUMBA_NUM_THREADS") or machine()["cores"]

@@ -23,6 +23,7 @@ LIBRARIES = (
     "matplotlib",
     "pydantic",
 )
+OPTIONAL = ("pypardiso",)
 
 
 def version_of(distribution: str) -> str | None:
@@ -35,8 +36,9 @@ def version_of(distribution: str) -> str | None:
 
 @cache
 def versions() -> dict[str, str | None]:
-    """Versions of Python and of the libraries."""
-    return {"python": platform.python_version()} | {name: version_of(name) for name in LIBRARIES}
+    """Versions of Python and of the libraries, None of what is not installed."""
+    names = (*LIBRARIES, *OPTIONAL)
+    return {"python": platform.python_version()} | {name: version_of(name) for name in names}
 
 
 @cache

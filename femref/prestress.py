@@ -15,10 +15,10 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP3, ElementVector, LinearForm, MeshQuad
 from skfem.helpers import ddot, eye, grad, mul, sym_grad, trace, transpose
 
+from femref.inertia import NotCertified, factorise
 from femref.sheet_mesh import PlateMaterial, SheetMesh
 
 # (reference points (2, k), load) -> displacement (2, k), both in mm
@@ -158,7 +158,7 @@ def linear_state(problem: PlaneProblem, load: float = 1.0) -> PlaneState:
     matrix = csc_array(form.assemble(basis))
     unknowns = problem.given(load)
     free = np.setdiff1d(np.arange(basis.N), problem.held)
-    unknowns[free] = _solve(matrix[free][:, free], -(matrix[free] @ unknowns))
+    unknowns[free] = factorise(matrix[free][:, free]).solve(-(matrix[free] @ unknowns))
     return problem.finish(unknowns, finite=False, force=matrix @ unknowns)
 
 
@@ -213,7 +213,10 @@ def _newton(
             return None
         before = size
         right = force[free] + tangent[free][:, held] @ moving
-        unknowns[free] -= _solve(tangent[free][:, free], right)
+        try:
+            unknowns[free] -= factorise(tangent[free][:, free]).solve(right)
+        except NotCertified:
+            return None
         unknowns[held] = target
     return None
 
@@ -251,11 +254,3 @@ def _finite(material: PlateMaterial, field: object) -> tuple[np.ndarray, np.ndar
 def _stress(material: PlateMaterial, strain: np.ndarray) -> np.ndarray:
     """S / Y = c tr(E) 1 + 2 mu E."""
     return eye(material.c * trace(strain), 2) + material.two_mu * strain
-
-
-def _solve(matrix: csc_array, right: np.ndarray) -> np.ndarray:
-    factors = splu(
-        csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    x = factors.solve(right)
-    return x + factors.solve(right - matrix @ x)

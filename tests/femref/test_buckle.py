@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-from scipy.sparse import csc_array, diags_array
+from scipy.sparse import csc_array
 
 from femref.buckle import NoBuckling, factors_below, guess_of, shift_after, smallest_factors
-from femref.inertia import NotCertified, factorise
 from femref.meshes import annulus, rectangle, rectangle_with_hole
 from femref.parity import parities
 from femref.plate_matrices import PlateSpace, bending_stiffness, geometric_stiffness
@@ -67,28 +66,6 @@ def test_shift_goes_into_the_widest_gap() -> None:
     known = np.array([1.0, 2.0, 2.01, 2.9, 3.0])
     assert 2.01 < shift_after(known, 2) < 2.9
     assert shift_after(known, 5) > 3.0
-
-
-def test_inertia_counts_negative_eigenvalues() -> None:
-    generator = np.random.default_rng(3)
-    values = np.concatenate([generator.uniform(-2.0, -0.1, 7), generator.uniform(0.1, 3.0, 23)])
-    q, _ = np.linalg.qr(generator.standard_normal((30, 30)))
-    found = factorise(csc_array((q * values) @ q.T))
-    assert found.negative == 7
-    b = generator.standard_normal(30)
-    assert found.solve(b) == pytest.approx((q / values) @ (q.T @ b), rel=1e-9)
-
-
-def test_a_matrix_that_needs_pivoting_is_refused() -> None:
-    """Zero diagonal: without row exchanges there is no L D L^T, and with them no inertia."""
-    matrix = csc_array(np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
-    with pytest.raises(NotCertified):
-        factorise(matrix)
-
-
-def test_a_singular_matrix_is_refused() -> None:
-    with pytest.raises(NotCertified):
-        factorise(csc_array(diags_array(np.array([1.0, 0.0, -2.0]))))
 
 
 def ring(nodes: int) -> np.ndarray:
