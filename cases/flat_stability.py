@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 
 from cases.finite_elements import (
     movements_of,
-    nominal_displacement_mm,
     plate_material,
     sheet_mesh,
     supports_of,
 )
-from cases.methods import tension_length_mm
+from cases.methods import nominal_strain
 from cases.schema import RectangleSheet, Scene
 
 if TYPE_CHECKING:
@@ -32,11 +31,6 @@ def flat_sheet(scene: Scene, vertices: int) -> FlatSheet:
         supports_of(scene),
         movements_of(scene, finite=True),
     )
-
-
-def nominal_strain(scene: Scene) -> float:
-    """Largest displacement of one supported edge against another, over the length between them."""
-    return nominal_displacement_mm(scene) / tension_length_mm(scene)
 
 
 def along_the_load(scene: Scene, strains: Sequence[float], vertices: int) -> pd.DataFrame:

@@ -159,7 +159,7 @@ def _too_many_wrinkles(scene: Scene) -> bool:
     """Whether Newton's method would take far longer than the relaxation; it still solves the scene when asked."""
     from cases.postbuckling_scene import MOST_HALF_WAVES
 
-    strain = _nominal_strain(scene)
+    strain = nominal_strain(scene)
     return strain > 0.0 and scene.sheet.size_mm > MOST_HALF_WAVES * 0.5 * predicted_wavelength(scene, strain)
 
 
@@ -217,6 +217,9 @@ def _refuse_options(scene: Scene, method: Method) -> None:
         in ("exact", "buckling", "postbuckling")
         and scene.start.source is not None
         and not (from_mode and method.name == "postbuckling"),
+        "solver.finish = 'on' on a part of a symmetric sheet": scene.solver.finish == "on"
+        and scene.symmetry.reduce != "none"
+        and method.model is not None,
         "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate" and method.model is None,
         "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off" and method.model is None,
         "effects.bending = 'off' with a plate": scene.effects.bending == "off"
@@ -247,17 +250,11 @@ def predicted_wavelength(scene: Scene, strain: float) -> float:
     return 2.0 * math.sqrt(math.pi) * stiffness_ratio**0.25 * math.sqrt(tension_length_mm(scene))
 
 
-def _nominal_strain(scene: Scene) -> float:
-    """Largest displacement of an edge point over the length that takes it up."""
-    size = scene.sheet.size_mm / 2.0
-    moves = [
-        math.hypot(*edge.move_mm)
-        + abs(edge.grow_mm)
-        + abs(2.0 * size * math.sin(math.radians(edge.rotate_deg) / 2.0))
-        for edge in scene.edges.values()
-        if edge.support != "free"
-    ]
-    return max(moves, default=0.0) / tension_length_mm(scene)
+def nominal_strain(scene: Scene) -> float:
+    """Largest displacement of one supported edge against another, over the length between them."""
+    from cases.finite_elements import nominal_displacement_mm
+
+    return nominal_displacement_mm(scene) / tension_length_mm(scene)
 
 
 def with_numbers(scene: Scene, method: Method, nodes: int | None, tolerance: float | None) -> Scene:

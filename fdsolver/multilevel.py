@@ -137,13 +137,14 @@ def solve(
     """Relax a problem through nested meshes, from the interpolated start or from a checkpoint.
 
     The result is bit-equal whether or not the run was stopped and resumed in between. A run that ended at a limit
-    leaves its checkpoint and goes on from there. Raises ValueError for settings that cannot be, GridError for
-    meshes, CheckpointError for a checkpoint of another run.
+    leaves its checkpoint and goes on from there. Raises ValueError for settings that cannot be and for
+    `finish` "on" with a symmetry (the exact tangent is made for whole meshes), GridError for meshes, CheckpointError
+    for a checkpoint of another run.
     """
+    if problem.symmetry is not None and settings.finish == "on":
+        raise ValueError("finish 'on' with a symmetry: the finisher solves whole meshes only")
     numba.set_num_threads(settings.threads)
     seconds_compile = compile_kernels(problem, model, settings.threads)
-    if problem.symmetry is not None:
-        settings = replace(settings, finish="off")  # the exact tangent is made for whole meshes
     # A given state would lose its wrinkles on a coarse mesh.
     levels = 1 if settings.levels is None and problem.initial is not None else settings.levels
     counts = level_nodes(problem.grid.nodes, levels)

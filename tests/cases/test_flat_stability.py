@@ -8,13 +8,8 @@ from dataclasses import replace
 import pytest
 
 from cases import load_scene
-from cases.flat_stability import (
-    along_the_load,
-    nominal_strain,
-    over_aspect_ratios,
-    pulled_rectangle,
-    window_of,
-)
+from cases.flat_stability import along_the_load, over_aspect_ratios, pulled_rectangle, window_of
+from cases.methods import nominal_strain
 from cases.schema import Scene
 
 # a strip without lateral strain, pushed: Euler's column of finite strain
@@ -34,6 +29,9 @@ def test_nominal_strains_are_those_between_the_supports() -> None:
     assert nominal_strain(load_scene("stretch")) == pytest.approx(0.1)
     assert nominal_strain(load_scene("hole")) == pytest.approx(0.1)
     assert nominal_strain(load_scene("shear")) == pytest.approx(0.5 / 128.0)
+    # the sheet moved as a whole is not strained
+    moved = {f"edges.{edge}.move_mm": [0.0, 5.0, 0.0] for edge in ("top", "bottom")}
+    assert nominal_strain(load_scene("hole", moved)) == 0.0
 
 
 def test_ends_of_the_window_come_in_nominal_strain() -> None:

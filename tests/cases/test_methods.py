@@ -45,6 +45,18 @@ def test_the_published_scheme_is_for_rectangles() -> None:
     assert choose(load_scene("shear"), "koiter-published")[0].name == "koiter-published"
 
 
+def test_a_part_of_a_symmetric_sheet_is_refused_by_name_where_it_cannot_be_solved() -> None:
+    """The published scheme and the finisher know whole sheets only; neither drops the symmetry in silence."""
+    quarter = {"symmetry.reduce": "quarter", "mesh.nodes": 600}
+    with pytest.raises(MethodError, match="symmetry.reduce = 'quarter' cannot be solved by koiter-published"):
+        choose(load_scene("stretch", quarter), "koiter-published")
+    finished = load_scene("stretch", {**quarter, "solver.finish": "on"})
+    for method in ("koiter", "tension-field", "membrane"):
+        with pytest.raises(MethodError, match=f"part of a symmetric sheet cannot be solved by {method}"):
+            choose(finished, method)
+        assert choose(load_scene("stretch", quarter), method)[0].name == method
+
+
 @pytest.mark.parametrize(
     ("method", "key", "value"),
     [

@@ -194,3 +194,10 @@ def test_symmetric_loads_are_taken() -> None:
 def test_sectors_must_divide_the_rows() -> None:
     with pytest.raises(GridError, match="7 sectors do not divide the"):
         reduction(meshes.annulus(60.0, 250.0, 1000), Symmetry("sector", sectors=7))
+
+
+def test_the_finisher_refuses_a_part_of_a_sheet() -> None:
+    grid = rectangle(150)
+    problem = Problem(SHEET, PULL, grid, rectangle, perturbation=0.0, symmetry=Symmetry("quarter"))
+    with pytest.raises(ValueError, match="the finisher solves whole meshes only"):
+        solve(problem, KOITER, Settings(finish="on"))
