@@ -18,6 +18,7 @@ from cases.methods import METHODS, MethodError, choose, methods_of, with_numbers
 from cases.unstructured import FiniteElementMesh, FiniteElementSolution
 from cases.unstructured_files import read_cells, write_cells
 from cases.unstructured_probe import locate, sample_section, vertex_means
+from tests.femref.rings import isotropic_factors
 
 # a square panel of hinged rails, sheared: 9.325 pi^2 D / (b^2 h) is its classical stress
 # so small a shear that turning and sliding the rails agree at the corners
@@ -149,6 +150,39 @@ def test_what_cannot_buckle_is_refused(scene: str, overrides: list[str], sentenc
     with pytest.raises(MethodError, match=re.escape(sentence)):
         choose(loaded, "buckling")
     assert ("buckling" in methods_of(loaded)) is (sentence == "start.from")
+
+
+def test_a_clamped_ring_of_ones_own_has_the_factor_of_bessel_functions(tmp_path: Path) -> None:
+    """Both circles drawn in by the same strain e: isotropic compression N = Y h e / (1 - nu), in the linear theory."""
+    inner, outer, strain = 25.0, 100.0, 1e-4
+    scene = tmp_path / "ring.toml"
+    scene.write_text(
+        f"""
+[sheet]
+shape = "annulus"
+inner_radius_mm = {inner}
+outer_radius_mm = {outer}
+thickness_mm = {THICKNESS}
+[material]
+young_MPa = {YOUNG}
+poisson = {POISSON}
+[edges.inner]
+support = "clamped"
+grow_mm = {-strain * inner}
+[edges.outer]
+support = "clamped"
+grow_mm = {-strain * outer}
+"""
+    )
+    solution = run(load_scene(scene), "buckling", nodes=600)
+    stiffness = THICKNESS**2 / (12.0 * (1.0 - POISSON**2))
+    exact = isotropic_factors(inner, outer, ("clamped", "clamped"), POISSON) * stiffness * (1.0 - POISSON)
+    found = [entry["factor"] * strain for entry in solution.critical[:3]]
+    assert found == pytest.approx(exact[:3], rel=7.5e-3)  # 50 straight facets to a circle
+    assert [entry["pair"] for entry in solution.critical[:2]] == [1, 1]  # cosine and sine of the same waves
+    error = solution.errors[0]["discretisation"] * strain
+    assert error > abs(found[0] - exact[0])  # what the result says of its own error
+    assert any("circles are polygons" in warning for warning in solution.warnings)
 
 
 def test_a_sheet_that_is_only_pulled_is_refused_with_a_sentence() -> None:

@@ -1,10 +1,15 @@
-"""Buckling of a ring under radial displacement of its circles, wave by wave: polynomials in the radius."""
+"""Buckling of a ring, wave by wave: polynomials in the radius for any growth of its circles; Bessel functions where the
+compression is isotropic."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial import Legendre
 from scipy.linalg import eigh
+from scipy.optimize import brentq
+from scipy.special import jvp, yvp
 
 TERMS, POINTS = 24, 80
 
@@ -54,3 +59,50 @@ def _functions(r: np.ndarray, inner: float, outer: float) -> tuple[np.ndarray, n
         )
     f, df, ddf = np.array(values).transpose(1, 0, 2)
     return f, df, ddf
+
+
+def isotropic_factors(inner: float, outer: float, supports: tuple[str, str], poisson: float) -> np.ndarray:
+    """Exact N / D, ascending, of a ring under the isotropic compression N, each double factor twice; the first eight.
+
+    supports : "pinned" or "clamped", of the inner and of the outer circle. D div div grad grad w + N div grad w = 0 is
+    solved by w = (A J_n(k R) + B Y_n(k R) + C R^n + E R^-n) cos(n angle), k^2 = N / D, with R^0, R^-0 read as 1, log R.
+    """
+    found = []
+    for waves in range(8):
+        root = _first_root(
+            lambda k, n=waves: _determinant(k, n, inner, outer, supports, poisson), outer - inner
+        )
+        found += [root**2] * (1 if waves == 0 else 2)
+    return np.sort(found)[:8]
+
+
+def _first_root(function: Callable[[float], float], width: float) -> float:
+    """The first change of sign of a function of k, from waves far longer than the ring is wide on."""
+    k = np.arange(1.0, 12.0, 0.1) / width
+    value = np.array([function(each) for each in k])
+    first = int(np.flatnonzero(value[:-1] * value[1:] < 0.0)[0])
+    return float(brentq(function, k[first], k[first + 1], xtol=1e-14))
+
+
+def _determinant(
+    k: float, n: int, inner: float, outer: float, supports: tuple[str, str], poisson: float
+) -> float:
+    """Vanishes where some A, B, C, E, not all zero, meet w = 0 and no slope or no moment on both circles."""
+    rows = []
+    for r, support in zip((inner, outer), supports, strict=True):
+        w, slope, second = (
+            np.array([k**d * jvp(n, k * r, d), k**d * yvp(n, k * r, d), *_harmonic(n, r, d)])
+            for d in range(3)
+        )
+        moment = second + poisson * (slope / r - n * n * w / r**2)
+        rows += [w, slope if support == "clamped" else moment]
+    matrix = np.array(rows)
+    return float(np.linalg.det(matrix / np.abs(matrix).max(axis=1, keepdims=True)))
+
+
+def _harmonic(n: int, r: float, order: int) -> tuple[float, float]:
+    """Derivatives of R^n and R^-n; of 1 and log R for n = 0."""
+    if n == 0:
+        return (1.0, np.log(r)) if order == 0 else (0.0, (-1.0) ** (order - 1) / r**order)
+    falling = [np.prod([sign * n - j for j in range(order)]) for sign in (1, -1)]
+    return float(falling[0] * r ** (n - order)), float(falling[1] * r ** (-n - order))
