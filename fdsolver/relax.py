@@ -196,8 +196,10 @@ def relax(
                 settings.threads,
             )
             state.history[-1] = (*state.history[-1][:4], float(restarts))
-            if quotient > FASTEST and (status := _recover(evaluate, state, f, finite=True)) is not None:
-                return status
+            if quotient > FASTEST:
+                status = _recover(evaluate, weight, state, f, finite=True)
+                if status is not None:
+                    return status
             state.step += BLOCK
             state.evaluations += BLOCK
             state.seconds += time.perf_counter() - started
@@ -241,7 +243,7 @@ def _look(
     state.history.append((float(state.step), energy, kinetic, state.residual, 0.0))
     finite = np.isfinite(energy) and np.isfinite(state.residual) and np.isfinite(kinetic)
     if not finite or energy > GROWTH * state.total_energy + 1e-15:
-        return _recover(force, state, f, finite)
+        return _recover(force, weight, state, f, finite)
     state.total_energy = energy + kinetic
     state.safe[:] = state.r
     if state.residual < settings.tolerance:
@@ -261,7 +263,7 @@ def _look(
     return Status.TIME_LIMIT if state.seconds > settings.max_seconds else None
 
 
-def _recover(force: Evaluate, state: State, f: np.ndarray, finite: bool) -> Status | None:
+def _recover(force: Evaluate, weight: np.ndarray, state: State, f: np.ndarray, finite: bool) -> Status | None:
     """Go back to the last sound state, at rest and with heavier masses; give up after `RECOVERIES` times."""
     state.r[:], state.v[:] = state.safe, 0.0
     state.recoveries += 1
@@ -271,7 +273,7 @@ def _recover(force: Evaluate, state: State, f: np.ndarray, finite: bool) -> Stat
     state.mass, state.inverse_mass = HEAVIER * state.mass, state.inverse_mass / HEAVIER
     state.since_restart, state.viscosity = 0, 0.0
     state.total_energy = float(force(state.r, f).sum())
-    if not (np.isfinite(state.total_energy) and np.isfinite(f).all()):
+    if not (np.isfinite(state.total_energy) and np.isfinite(residual(f, weight))):
         return Status.NOT_FINITE  # the state was not sound to begin with: no mass can help
     return None
 

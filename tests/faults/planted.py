@@ -12,7 +12,9 @@ from fdsolver.relax import BLOCK, State, begin
 from fdsolver.result import Status
 from tests.relaxing import FINE, Failing, relaxed, solved, strip
 
-WITHIN = 2 * BLOCK  # steps until it must be noticed: a block has a look before it and one after it
+WITHIN = (
+    2 * BLOCK
+)  # steps until it must be noticed, and named if it cannot be replaced: a block has two looks
 IN_STATE = ("r", "v", "mass", "inverse_mass", "safe")
 IN_FORCE = ("zone", "node", "twist")  # constants of the mesh
 ARRAYS = (*IN_STATE, *IN_FORCE, "forces", "weight")
@@ -59,11 +61,11 @@ def planting(where: str, draw: random.Random) -> Planting:
     if status is not Status.CONVERGED and not noticed:
         noticed.append(state.step - step)
     when = noticed[0] if noticed else None
-    return Planting(where, value, step, when, status, _fault(when, status, state, sound))
+    return Planting(where, value, step, when, status, _fault(step, when, status, state, sound))
 
 
-def _fault(noticed: int | None, status: Status, state: State, sound: State) -> str:
-    """What is wrong with the end of a run in which something was planted."""
+def _fault(step: int, noticed: int | None, status: Status, state: State, sound: State) -> str:
+    """What is wrong with the end of a run in which something was planted at a step."""
     if status not in (Status.CONVERGED, Status.NOT_FINITE):
         return f"it ended as {status.value}"
     if not np.isfinite(state.r).all():
@@ -76,6 +78,8 @@ def _fault(noticed: int | None, status: Status, state: State, sound: State) -> s
         return "it was never noticed and changed the result"
     if noticed is not None and noticed > WITHIN:
         return f"it was noticed after {noticed} steps"
+    if status is Status.NOT_FINITE and state.step - step > WITHIN:
+        return f"it was named after {state.step - step} steps"
     return ""
 
 

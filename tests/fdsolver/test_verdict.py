@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fdsolver.fields import hourglass_share, zone_fields
+from fdsolver.fields import TENSE, WRINKLED, hourglass_share, zone_fields
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.meshes import annulus, rectangle
 from fdsolver.result import Status
-from fdsolver.verdict import folded_zones, judge
+from fdsolver.verdict import folded_zones, judge, turned_over
 
 SHEET = Sheet(1.0, 0.3, 0.1)
 STRIP = rectangle(100.0, 60.0, 600)
@@ -52,6 +52,46 @@ def test_a_node_drawn_across_its_neighbours_inverts_planar_zones() -> None:
     status, warnings = verdict(STRIP, r)
     assert status is Status.ZONE_INVERTED
     assert "90 degrees" in warnings[0]
+
+
+def crossed(grid: Grid, width: float) -> np.ndarray:
+    """The sheet pulled along x and drawn together across; in a few zones its mesh lines have crossed."""
+    r = flat(grid)
+    r[..., 1] = width * grid.u[..., 1]
+    r[10:13, 9:11, 1] = r[10:13, 10:8:-1, 1]
+    return r
+
+
+def test_a_relaxed_membrane_may_lie_either_way_up_across_its_wrinkles() -> None:
+    """Its energy does not depend on the minor strain there, nor on the side that is up."""
+    grid = rectangle(100.0, 60.0, 6000)
+    r = crossed(grid, 0.7)
+    wrong = turned_over(grid, r)
+    assert 0 < wrong.sum() < 0.01 * wrong.size
+    assert (zone_fields(grid, SHEET, r, relaxed=True).state[wrong] == WRINKLED).all()
+    status, warnings = verdict(grid, r, relaxed=True)
+    assert status is Status.CONVERGED
+    assert warnings[0].startswith(f"{wrong.sum()} zones") and "either way up" in warnings[0]
+    assert verdict(grid, r, relaxed=False)[0] is Status.ZONE_INVERTED
+
+
+def test_a_tense_zone_that_lies_upside_down_is_inverted_in_a_relaxed_membrane_too() -> None:
+    grid = rectangle(100.0, 60.0, 6000)
+    r = crossed(grid, 3.0)
+    assert (zone_fields(grid, SHEET, r, relaxed=True).state[turned_over(grid, r)] == TENSE).any()
+    assert verdict(grid, r, relaxed=True)[0] is Status.ZONE_INVERTED
+
+
+def test_a_planar_relaxed_membrane_that_is_turned_over_as_a_whole_has_collapsed() -> None:
+    r = flat(STRIP)
+    r[..., 1] *= -0.5
+    assert verdict(STRIP, r, relaxed=True)[0] is Status.OUTSIDE_VALIDITY
+
+
+@pytest.mark.parametrize("grid", [STRIP, annulus(20.0, 60.0, 600)])
+def test_only_zones_whose_area_has_changed_its_sign_are_turned_over(grid: Grid) -> None:
+    assert not turned_over(grid, flat(grid)).any()
+    assert turned_over(grid, flat(grid) * (1.0, -1.0, 1.0)).all()
 
 
 def test_a_checkerboard_is_named() -> None:
