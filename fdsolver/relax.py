@@ -105,6 +105,7 @@ class State:
     best_step: int = 0
     stalls: int = 0
     kicks: int = 0
+    growths: int = 0
     finish_at: int = 200  # step at which relaxation pauses for an attempt to finish
     residual: float = np.inf
     seconds: float = 0.0
@@ -131,8 +132,11 @@ def begin(r: np.ndarray) -> State:
     return State(r=r.copy(), v=np.zeros_like(r), mass=mass, inverse_mass=mass.copy(), safe=r.copy())
 
 
-def kick(state: State, displacement: np.ndarray) -> None:
-    """Displace `state` by (3, ni, nj), scaled, and let it start again from rest."""
+def kick(state: State, displacement: np.ndarray, growth: bool = False) -> None:
+    """Displace `state` by (3, ni, nj), scaled, and let it start again from rest.
+
+    growth : the displacement takes waves to their height (see `settled`); it is counted as such, not as a kick.
+    """
     # In one call: an interrupt must not come between.
     vars(state).update(
         r=state.r + displacement,
@@ -143,7 +147,8 @@ def kick(state: State, displacement: np.ndarray) -> None:
         best_residual=np.inf,
         best_step=state.step,
         stalls=0,
-        kicks=state.kicks + 1,
+        kicks=state.kicks + (not growth),
+        growths=state.growths + growth,
         finish_at=max(state.finish_at, state.step + State.finish_at),
     )
 

@@ -25,6 +25,7 @@ from fdsolver.reduced import unfolded
 from fdsolver.relax import Settings, State, kick
 from fdsolver.result import Status
 from fdsolver.rows import compiled
+from fdsolver.settled import Growth, growth_to_come
 
 MOST_STEPS = 800
 LOOK_EVERY = 50
@@ -32,11 +33,13 @@ NEUTRAL = 1e-6  # above minus this an eigenvalue is zero: wrinkles slide and fol
 PROBE = 1e-7  # size of the displacement, in L, whose change of force gives K v
 
 MOST_KICKS = 4
+MOST_GROWTHS = 8  # steps towards the height of waves: three or four do
 FINEST = 1e-10  # tolerance below which no kicked state need come to rest
 KICKED_TOLERANCE = 1e-5  # a state that was kicked once comes to rest at a tenth of it
 FLAT_TOLERANCE = 1e-7  # of a flat state that is examined: the compression that wrinkles thin sheets is small
 PLANAR = 0.01  # out-of-plane displacement / thickness below which a state is flat
 CONVEX = "the relaxed energy is convex"
+UNSETTLED = "not settled: the waves would still change by {:.0%} of their height"
 EXACT = "lowest eigenvalue of the out-of-plane tangent of the flat sheet, against that of the sheet without compression"
 
 
@@ -180,15 +183,35 @@ def _examine(level: Level, state: State, flat: float) -> Stability:
     return Stability(found[0] >= -NEUTRAL, found[0], EXACT, found[2], None)
 
 
+def _growth(level: Level, state: State, flat: float) -> Growth | None:
+    """What the waves of a state still have to grow; None where there are none or they have settled."""
+    if not level.model.buckles or len(state.r) < 3 or np.ptp(state.r[2]) <= flat:
+        return None
+    growth = growth_to_come(level.force, level.examined, state)
+    state.evaluations += growth.evaluations
+    return None if growth.settled else growth
+
+
+def _judge(level: Level, state: State, flat: float) -> Stability | Growth:
+    """How the waves of a state still grow, or whether it is stable: of an unstable one the height tells nothing."""
+    if state.growths and (growth := _growth(level, state, flat)) is not None:
+        return growth  # it was stable before
+    verdict = _examine(level, state, flat)
+    state.evaluations += verdict.evaluations
+    if verdict.stable and not state.growths and (growth := _growth(level, state, flat)) is not None:
+        return growth
+    return verdict
+
+
 def relax_to_stable(
     level: Level, state: State, settings: Settings, on_block: Callable[[State], None] | None = None
 ) -> tuple[Status, dict[str, object]]:
     """Relax, examine, and leave an unstable equilibrium along its mode, until a stable one is found.
 
     The kick is one thickness. The tolerance falls with every kick: near a saddle the force is small far from the
-    equilibrium that is sought. Models that do not buckle are examined, not kicked. Returns the Status (of the last
-    relaxation, INTERRUPTED, or UNSTABLE_FLAT when kicks do not move a flat sheet) and the verdict
-    {"stable", "how", "lowest"}.
+    equilibrium that is sought. Waves that have not settled are taken to their height. Models that do not buckle are
+    examined, not kicked. Returns the Status (of the last relaxation, INTERRUPTED, or UNSTABLE_FLAT when kicks do not
+    move a flat sheet) and the verdict {"stable", "how", "lowest"}; "stable" is None where waves do not settle.
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
@@ -199,11 +222,15 @@ def relax_to_stable(
             return status, {"stable": None, "how": "not examined: the state is not converged", "lowest": None}
         started = time.perf_counter()
         try:
-            verdict = _examine(level, state, PLANAR * height)
+            verdict = _judge(level, state, PLANAR * height)
         except KeyboardInterrupt:
             return Status.INTERRUPTED, {"stable": None, "how": "not examined: interrupted", "lowest": None}
-        state.evaluations += verdict.evaluations
         state.seconds += time.perf_counter() - started
+        if isinstance(verdict, Growth):
+            if state.growths == MOST_GROWTHS:
+                return status, {"stable": None, "how": UNSETTLED.format(verdict.share), "lowest": None}
+            kick(state, verdict.displacement, growth=True)
+            continue
         answer = {"stable": verdict.stable, "how": verdict.how, "lowest": verdict.lowest}
         if verdict.mode is None or not level.model.buckles:
             return status, answer
