@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from fdsolver.material import Sheet
-from fdsolver.result import Reaction, Solution, Status, ZoneFields
+from fdsolver.result import Answer, Solution
 
 
 @dataclass(frozen=True)
@@ -59,45 +58,23 @@ class FiniteElementMesh:
         return np.bincount(self.cells.ravel(), share, minlength=self.nodes)
 
 
-@dataclass(frozen=True)
-class FiniteElementSolution:
-    """The answer of a finite-element method; fields of the same name are those of `fdsolver.result.Solution`.
+@dataclass(frozen=True, kw_only=True)
+class FiniteElementSolution(Answer):
+    """The answer of a finite-element method: r is (n, 3), the fields of `zone` (m,), one value per cell.
 
-    grid : the mesh. r : (n, 3) float64, mm. zone : arrays (m,), one value per cell.
-    modes : (k, n) float64, heights of the buckling modes at the vertices, largest 1; k = 0 where there are none.
+    grid : the mesh. modes : (k, n) float64, heights of the buckling modes at the vertices, largest 1; k = 0 where there
+        are none.
     critical : one mapping per mode, ascending: `factor` of the scene's own load, `parity` and what else is known.
     errors : entries of `errors` in result.json.
     derivatives : (n, 3, 3) float64, r,x  r,y  r,xy at the vertices of a bicubic field (by angle and radius on an
         annulus); None for other elements.
     """
 
-    method: str
-    status: Status
-    message: str
     grid: FiniteElementMesh
-    sheet: Sheet
-    r: np.ndarray
-    steps: int
-    force_evaluations: int
-    residual: float
-    seconds: float
-    cpu_seconds: float
-    seconds_compile: float
-    energy_N_mm: Mapping[str, float]
-    reactions: Mapping[str, Reaction]
-    zone: ZoneFields
-    history: Mapping[str, np.ndarray]
-    hourglass: Mapping[str, float | None]
-    stability: Mapping[str, object]
-    warnings: tuple[str, ...]
-    levels: tuple[Mapping[str, float], ...]
-    threads: int
-    seed: int
     modes: np.ndarray
     critical: tuple[Mapping[str, Any], ...] = ()
     errors: tuple[Mapping[str, Any], ...] = ()
     derivatives: np.ndarray | None = None
-    snapshots: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 AnySolution = Solution | FiniteElementSolution

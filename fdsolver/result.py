@@ -1,4 +1,4 @@
-"""How a solve ends (`Status`) and what it returns (`Solution`)."""
+"""How a solve ends (`Status`) and what it returns (`Answer`; on a structured mesh `Solution`)."""
 
 from __future__ import annotations
 
@@ -69,26 +69,23 @@ class ZoneFields:
     state: np.ndarray
 
 
-@dataclass(frozen=True)
-class Solution:
-    """The answer of a structured-mesh method, with all that is needed to judge and to store it.
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What every method returns, whatever its mesh, with all that is needed to judge and to store it.
 
-    r : (ni, nj, 3) float64, mm. Deformed node positions.
+    r : (..., 3) float64, mm. Deformed positions of the mesh's nodes.
     residual : largest |dE/dr| over free nodes and components / (Y h L_n), L_n = square root of the nodal area.
     seconds, cpu_seconds : the solve without compilation; seconds_compile : compilation.
     energy_N_mm : {"total", "membrane", "bending"}, N mm.
     reactions : edge name -> Reaction, for supported edges.
-    history : equal-length arrays "level", "step", "energy", "kinetic" (both N mm), "residual", "restart".
+    history : equal-length arrays, one value for each step that was noted.
     levels : per nested mesh: nodes, steps, residual, energy_N_mm, seconds.
-    coarser, earlier : the same problem's equilibria on coarser meshes, coarsest first, and its state on the last mesh
-        some iterations before the end (`trail`); a solution read from a folder has neither.
     snapshots : empty, or the way to the equilibrium (`snapshots.Recorder.arrays`).
     """
 
     method: str
     status: Status
     message: str
-    grid: Grid
     sheet: Sheet
     r: np.ndarray
     steps: int
@@ -108,5 +105,17 @@ class Solution:
     threads: int
     seed: int
     snapshots: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution(Answer):
+    """The answer of a structured-mesh method: r is (ni, nj, 3).
+
+    grid : the mesh. history : "level", "step", "energy", "kinetic" (both N mm), "residual", "restart".
+    coarser, earlier : the same problem's equilibria on coarser meshes, coarsest first, and its state on the last mesh
+        some iterations before the end (`trail`); a solution read from a folder has neither.
+    """
+
+    grid: Grid
     coarser: tuple[Solution, ...] = ()
     earlier: Solution | None = None
