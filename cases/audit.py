@@ -1,7 +1,9 @@
 """Was it right to leave an effect out? A verdict on every result, by a measure that can see the effect.
 
     out_of_plane      stability against motion out of the plane; the relaxed energy is convex and needs none
-    bending           energy of the wrinkles that stress and shortening of the result predict, over its energy
+    bending           a sheet in its plane: its stability. Others: no zone may be compressed, for a membrane does not
+                      say what its wrinkles are; where all is tense, energy and forces that the plate puts back. What
+                      wrinkles would hold of the energy follows from stress and shortening of the result
     strain_gradient   change of energies and of force when the effect is put back on the result
     kinematics        the same
     symmetry          stability of the whole sheet against the modes that the reduced one excludes
@@ -16,18 +18,20 @@ from dataclasses import replace
 import numpy as np
 
 from cases.boundary import problem_of
-from cases.effects import JUSTIFIED, NEGLIGIBLE, NOT_JUSTIFIED, Effect, Effects
+from cases.effects import JUSTIFIED, NOT_JUSTIFIED, Effect, Effects
 from cases.schema import Scene
-from cases.survey import tension_length_mm, wrinkles_of
+from cases.survey import Wrinkles, tension_length_mm, wrinkles_of
 from fdsolver.fields import TENSE
 from fdsolver.level import Level, make_level
 from fdsolver.mass import invert, nodal_masses
 from fdsolver.model import KOITER, Model
 from fdsolver.relax import State, begin
+from fdsolver.residual import residual
 from fdsolver.result import Solution
 from fdsolver.stability import PLANAR, examine
 
 SMALL = 1e-3  # change of an energy or a force, relative, that counts as none
+NEGLIGIBLE = 1.5e-4  # share of the energy below which bending changes no reported quantity by 0.1 %
 NOTHING = 1e-9  # size below which an effect that was on did nothing
 
 
@@ -77,14 +81,46 @@ def _bending(effect: Effect, solution: Solution, scene: Scene, model: Model) -> 
     total = max(abs(solution.energy_N_mm["total"]), 1e-300)
     if effect.on:
         return _used(effect, solution.energy_N_mm["bending"] / total, "share of the energy")
+    if model.bending:
+        stable = solution.stability.get("stable") is True
+        return _verdict(effect, 0.0, stable, "and it stays there" if stable else "but it does not stay there")
     wrinkles = wrinkles_of(
         solution.grid, solution.sheet, solution.r, tension_length_mm(scene), model.moderate
     )
-    smooth = _smooth_bending(solution, scene, model)
-    size = (wrinkles.energy_N_mm + smooth) / total
-    stable = model.relaxed or solution.stability.get("stable") is not False
-    how = f"wrinkles of about {wrinkles.wavelength_mm:.3g} mm and smooth bending would hold {size:.1e} of the energy"
-    return _verdict(effect, size, size < NEGLIGIBLE and stable, how)
+    size = (wrinkles.energy_N_mm + _smooth_bending(solution, scene, model)) / total
+    if wrinkles.share > 0.0:
+        return _verdict(effect, size, False, _left_out(wrinkles, size))
+    local = _local_change(solution, scene, model)
+    fine = size < NEGLIGIBLE and local < SMALL and solution.stability.get("stable") is not False
+    how = f"nothing wrinkles; bending would hold {size:.1e} of the energy and change forces by {local:.1e}"
+    return _verdict(effect, size, fine, how)
+
+
+def _left_out(wrinkles: Wrinkles, size: float) -> str:
+    """What a membrane leaves out where it is compressed."""
+    where = f"{100.0 * wrinkles.share:.2g} % of the sheet is compressed"
+    if np.isinf(wrinkles.wavelength_mm):
+        return f"{where} and slack: its shape is left out"
+    return (
+        f"{where}: wrinkles of about {wrinkles.wavelength_mm:.3g} mm, {wrinkles.height_mm:.2g} mm high, are left out,"
+        f" with {size:.1e} of the energy"
+    )
+
+
+def _local_change(solution: Solution, scene: Scene, model: Model) -> float:
+    """Largest force that the plate's bending and hourglass energy put on a free node of the result.
+
+    As a residual, relative to the largest strain: near enough the relative change of the strain there.
+    """
+    plate = replace(KOITER, out_of_plane=model.out_of_plane, moderate=model.moderate)
+    forces = []
+    for each in (model, plate):
+        level, r = _level(solution, scene, each)
+        forces.append(np.zeros_like(r))
+        level.force(r, forces[-1])
+    stretch = solution.zone.stretch_major
+    strain = max(float(np.abs(0.5 * (stretch**2 - 1.0)).max()), 1e-300)
+    return residual(forces[1] - forces[0], level.weight) / strain
 
 
 def _smooth_bending(solution: Solution, scene: Scene, model: Model) -> float:

@@ -2,9 +2,9 @@
 
 The method fixes the model; "auto" leaves out only what the model permits and what makes no difference to it: the
 out-of-plane component of a relaxed membrane under loads in the plane (its energy is convex), of the unrelaxed membrane
-there (without a perturbation nothing leaves the plane), and of a plate that a coarse solve finds tense. Loads in
-the plane alone do not make a plate planar, and a missing perturbation does not either. `--method auto` chooses the
-model as well.
+there (without a perturbation nothing leaves the plane), and of a plate that a coarse solve finds tense, or compressed
+but stiff enough to stay flat; a plate in its plane does not bend. Loads in the plane alone do not make a plate planar,
+and a missing perturbation does not either. `--method auto` chooses the model as well.
 """
 
 from __future__ import annotations
@@ -15,18 +15,13 @@ from dataclasses import asdict, dataclass, replace
 
 from cases.boundary import edges_of, grid_of, symmetry_of
 from cases.schema import Scene
-from cases.survey import Survey, loads_in_plane, survey
+from cases.survey import COMPRESSED, loads_in_plane, stiffness_against_buckling, survey
 from fdsolver.model import Model
 from fdsolver.symmetry import reduction, refuse_unsymmetric
 
 JUSTIFIED, NOT_JUSTIFIED = "justified", "not justified"
 NODES_PER_WRINKLE = 6.0
-COMPRESSED = (
-    -1e-5
-)  # minor stress over the largest: what a coarse solve may show where there is no compression
-# Share of the energy that wrinkles are foretold to hold, below which they change no reported quantity by 0.1 %: full
-# runs of five scenes found 1.0 to 6 times what was foretold.
-NEGLIGIBLE = 1.5e-4
+STIFF = 0.01  # lowest eigenvalue of the coarse flat plate from which finer meshes stay flat too (see fdsolver.planar)
 STEEP = 0.2  # slope beyond which the normal of the flat sheet is not the sheet's: its square is 4 % of the curvature
 
 
@@ -78,10 +73,13 @@ def decide(scene: Scene, model: Model) -> tuple[Model, Effects]:
     """
     asked = scene.effects
     out_of_plane = _out_of_plane(scene, model)
+    plate = model.bending and asked.bending != "off"
     bending = Effect(model.bending, f"the model of {model.name}")
-    if model.bending and asked.bending == "off":
+    if not plate and model.bending:
         bending = Effect(False, "the scene leaves it out")
-    curved = bending.on and out_of_plane.on
+    elif plate and not out_of_plane.on:
+        bending = Effect(False, "a sheet in its plane does not bend")
+    curved = bending.on
     gradient = Effect(curved, f"the model of {model.name}" if curved else "no curvature carries energy")
     moderate = asked.kinematics == "moderate"
     if curved and asked.strain_gradient == "off":
@@ -116,8 +114,8 @@ def decide(scene: Scene, model: Model) -> tuple[Model, Effects]:
     chosen = replace(
         model,
         out_of_plane=out_of_plane.on,
-        bending=bending.on,
-        buckles=model.buckles and bending.on,
+        bending=plate,
+        buckles=model.buckles and plate,
         strain_gradient=gradient.on or not curved,
         moderate=moderate,
     )
@@ -142,13 +140,22 @@ def _out_of_plane(scene: Scene, model: Model) -> Effect:
         return Effect(False, "loads in the plane, and relaxed compression pushes nothing out of it", 0.0)
     if not model.buckles:
         return Effect(False, "loads in the plane; without a perturbation a membrane stays there", 0.0)
+    return _of_plate(scene)
+
+
+def _of_plate(scene: Scene) -> Effect:
+    """Whether a plate under loads in its plane may leave it."""
     found = survey(scene)
-    if found.converged and found.least_tension > COMPRESSED:
+    if found.converged and found.least_tension > -COMPRESSED:
         why = f"no compression on a coarse mesh: the least stress is {found.least_tension:.2g} of the largest"
         return Effect(False, why, found.least_tension)
     compressed = found.wrinkled + found.slack
-    why = f"{100.0 * compressed:.2g} % of the sheet wrinkled or slack on a coarse mesh: it may buckle"
-    return Effect(True, why, compressed)
+    part = f"{100.0 * compressed:.2g} % of the sheet wrinkled or slack on a coarse mesh"
+    lowest = stiffness_against_buckling(scene)
+    if lowest is not None and lowest > STIFF:
+        why = f"{part}, but too stiff to buckle: lowest eigenvalue of a coarse flat plate {lowest:.2g}"
+        return Effect(False, why, lowest)
+    return Effect(True, f"{part}: it may buckle", compressed)
 
 
 def _refuse_steep(scene: Scene, key: str) -> None:
@@ -166,22 +173,26 @@ def _refuse_steep(scene: Scene, key: str) -> None:
 def choose_method(scene: Scene) -> tuple[str, str]:
     """The method whose model the scene calls for, and why."""
     found = survey(scene)
-    area = float(grid_of(scene)(scene.mesh.nodes).zone_area.mean())
-    energy = max(float(found.solution.energy_N_mm["total"]), 1e-300)
-    share = found.wrinkles.energy_N_mm / energy
     if not found.converged:
         return "koiter", "auto chose koiter: a coarse tension field did not converge."
-    if found.solution.energy_N_mm["total"] == 0.0:
+    energy = float(found.solution.energy_N_mm["total"])
+    if energy == 0.0:
         return "koiter", "auto chose koiter: nothing is strained, so nothing says that the sheet wrinkles."
-    if math.isinf(found.wrinkles.wavelength_mm):
+    if loads_in_plane(scene) and not _of_plate(scene).on:
+        return (
+            "koiter",
+            "auto chose koiter: the sheet stays flat, where a plate costs no more than a membrane.",
+        )
+    if found.wrinkles.share == 0.0:
         return (
             "tension-field",
             "auto chose tension-field: the sheet is tense everywhere, bending changes nothing.",
         )
-    per_wrinkle = found.wrinkles.wavelength_mm / math.sqrt(area)
+    spacing = math.sqrt(float(grid_of(scene)(scene.mesh.nodes).zone_area.mean()))
+    per_wrinkle = found.wrinkles.wavelength_mm / spacing
     expected = (
         f"{100.0 * found.wrinkled:.2g} % wrinkled, waves of about {found.wrinkles.wavelength_mm:.3g} mm,"
-        f" {per_wrinkle:.2g} nodes each, {share:.1e} of the energy"
+        f" {per_wrinkle:.2g} nodes each, {found.wrinkles.energy_N_mm / energy:.1e} of the energy"
     )
     if per_wrinkle < NODES_PER_WRINKLE:
         return (
@@ -189,8 +200,3 @@ def choose_method(scene: Scene) -> tuple[str, str]:
             f"auto chose tension-field: the mesh cannot resolve the wrinkles ({expected}).",
         )
     return "koiter", f"auto chose koiter: the mesh resolves the wrinkles ({expected})."
-
-
-def bending_matters(found: Survey) -> bool:
-    """Whether wrinkles hold enough of the energy to show in what is reported."""
-    return found.wrinkles.energy_N_mm > NEGLIGIBLE * float(found.solution.energy_N_mm["total"])

@@ -7,13 +7,16 @@ shortening d across them,
 
     wavelength = 2 sqrt(pi) (D / T)^(1/4) l^(1/2),      energy per area = 2 D (2 pi / wavelength)^2 d,
 
-half of it bending and half the stretching that keeps the waves short.
+half of it bending and half the stretching that keeps the waves short. Whether the plate can wrinkle at all is asked of
+its own flat state on a coarse mesh: a stiff one stays flat although it is compressed.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +26,7 @@ from cases.schema import AnnulusSheet, Scene
 from fdsolver.fields import SLACK, WRINKLED, principal_strains, zone_gradient
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
-from fdsolver.model import Model
+from fdsolver.model import KOITER, Model
 from fdsolver.problem import Problem
 from fdsolver.relax import Settings
 from fdsolver.result import Solution, Status
@@ -32,6 +35,11 @@ NODES = 1500  # of the coarse mesh: shares of the area to a few percent, which i
 TOLERANCE = 1e-5
 MOST_SECONDS = 20.0
 FLAT_LOAD = 1e-12  # out-of-plane movement of an edge, over the sheet's size, below which it is none
+COMPRESSED = (
+    1e-5  # compression over the largest strain below which it is what a solve leaves where there is none
+)
+PER_WAVE = 8.0  # nodes that a wave of the flat plate's buckling takes
+MOST_FLAT_NODES = 6000  # of a coarse flat plate: beyond, its waves are too short for cheap calculations
 
 
 @dataclass(frozen=True)
@@ -39,10 +47,14 @@ class Wrinkles:
     """Wrinkles to expect from a state of the membrane.
 
     wavelength_mm : typical one, area-weighted; infinite where nothing wrinkles. energy_N_mm : of all wrinkles.
+    height_mm : amplitude that takes up the mean shortening of the wrinkled part. share : of the area that is
+    compressed, in one direction or in both.
     """
 
     wavelength_mm: float
     energy_N_mm: float
+    height_mm: float
+    share: float
 
 
 @dataclass(frozen=True)
@@ -81,29 +93,60 @@ def tension_length_mm(scene: Scene) -> float:
 
 def survey(scene: Scene, nodes: int = NODES) -> Survey:
     """Solve the scene's tension field on a coarse mesh, once per scene and process."""
-    bare = replace(scene, sections={}, paths={}, name="survey", title="")
-    key = f"{nodes} {scene_toml(bare)}"
-    if key not in _SURVEYS:
-        if len(_SURVEYS) >= _MOST_KEPT:
-            _SURVEYS.pop(next(iter(_SURVEYS)))
-        _SURVEYS[key] = _solve(scene, nodes)
-    return _SURVEYS[key]
+    return _once(f"survey {nodes}", scene, lambda: _solve(scene, nodes))
 
 
-_SURVEYS: dict[str, Survey] = {}
+def stiffness_against_buckling(scene: Scene) -> float | None:
+    """Lowest eigenvalue (`fdsolver.planar`) of the scene's plate kept in its plane, on a coarse mesh.
+
+    Negative where the flat plate is unstable. None where no coarse mesh has `PER_WAVE` nodes for every wave that the
+    tension field lets expect, and where the flat state is not found.
+    """
+    found = survey(scene)
+    area = float(found.solution.grid.zone_area.sum())
+    needed = max(NODES, math.ceil(area * (PER_WAVE / found.wrinkles.wavelength_mm) ** 2))
+    if needed > MOST_FLAT_NODES:
+        return None
+    solution = _once(f"flat {needed}", scene, lambda: _flat_plate(scene, needed))
+    lowest = solution.stability["lowest"]
+    return lowest if isinstance(lowest, float) and math.isfinite(lowest) else None
+
+
+_KEPT: dict[str, Any] = {}
 _MOST_KEPT = 32
 
 
-def _solve(scene: Scene, nodes: int) -> Survey:
+def _once(kind: str, scene: Scene, make: Callable[[], Any]) -> Any:
+    """What `make` gives for a scene, made once per process."""
+    bare = replace(scene, sections={}, paths={}, name="survey", title="")
+    key = f"{kind} {scene_toml(bare)}"
+    if key not in _KEPT:
+        if len(_KEPT) >= _MOST_KEPT:
+            _KEPT.pop(next(iter(_KEPT)))
+        _KEPT[key] = make()
+    return _KEPT[key]
+
+
+def _coarse(scene: Scene, model: Model, nodes: int) -> Solution:
+    """A model of the whole sheet, unperturbed, on a coarse mesh."""
     from fdsolver.multilevel import solve
-    from tensionfield.relaxed import TENSION_FIELD
 
     make = grid_of(scene)
     moderate = scene.effects.kinematics == "moderate"
-    model: Model = replace(TENSION_FIELD, out_of_plane=not loads_in_plane(scene), moderate=moderate)
     problem = Problem(sheet_of(scene), edges_of(scene), make(nodes), make, perturbation=0.0)
     settings = Settings(tolerance=TOLERANCE, levels=1, max_seconds=MOST_SECONDS)
-    solution = solve(problem, model, settings)
+    return solve(problem, replace(model, moderate=moderate), settings)
+
+
+def _flat_plate(scene: Scene, nodes: int) -> Solution:
+    return _coarse(scene, replace(KOITER, out_of_plane=False), nodes)
+
+
+def _solve(scene: Scene, nodes: int) -> Survey:
+    from tensionfield.relaxed import TENSION_FIELD
+
+    moderate = scene.effects.kinematics == "moderate"
+    solution = _coarse(scene, replace(TENSION_FIELD, out_of_plane=not loads_in_plane(scene)), nodes)
     area, state = solution.grid.zone_area, solution.zone.state
     total = area.sum()
     gradient = zone_gradient(solution.grid, solution.r)
@@ -131,14 +174,18 @@ def wrinkles_of(
     r : (ni, nj, 3) mm. length_mm : of the wrinkles, along the tension. moderate : kinematics of the strains.
     """
     major, minor = principal_strains(zone_gradient(grid, r), moderate)
-    nu = sheet.poisson
-    shortening = np.maximum(-(minor + nu * np.maximum(major, 0.0)), 0.0)
-    wrinkled = (major > 0.0) & (shortening > 0.0)
+    shortening = np.maximum(-(minor + sheet.poisson * np.maximum(major, 0.0)), 0.0)
+    compressed = shortening > COMPRESSED * max(float(np.abs(major).max()), float(np.abs(minor).max()))
+    share = float(grid.zone_area[compressed].sum() / grid.zone_area.sum())
+    wrinkled = compressed & (major > 0.0)
     if not wrinkled.any():
-        return Wrinkles(math.inf, 0.0)
+        return Wrinkles(math.inf, 0.0, 0.0, share)
     tension = sheet.young_MPa * sheet.thickness_mm * major[wrinkled]
     ratio = sheet.bending_stiffness_N_mm / tension
     wavelength = 2.0 * math.sqrt(math.pi) * ratio**0.25 * math.sqrt(length_mm)
-    weight = grid.zone_area[wrinkled] * shortening[wrinkled]
+    area = grid.zone_area[wrinkled]
+    weight = area * shortening[wrinkled]
     energy = 2.0 * sheet.bending_stiffness_N_mm * (2.0 * math.pi / wavelength) ** 2 * weight
-    return Wrinkles(float(np.average(wavelength, weights=weight)), float(energy.sum()))
+    # a wave of amplitude A shortens by (pi A / wavelength)^2
+    height = np.average(wavelength * np.sqrt(shortening[wrinkled]) / math.pi, weights=area)
+    return Wrinkles(float(np.average(wavelength, weights=weight)), float(energy.sum()), float(height), share)

@@ -9,8 +9,9 @@ import numpy as np
 
 from fdsolver.finish import finish, suits
 from fdsolver.grid import Grid
-from fdsolver.level import make_level
+from fdsolver.level import in_space, make_level
 from fdsolver.model import Model
+from fdsolver.planar import lowest_out_of_plane
 from fdsolver.problem import Problem
 from fdsolver.relax import Settings, begin, relax
 from fdsolver.stability import search
@@ -31,6 +32,11 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20, threads=threads))
     if suits(level, Settings()):
         finish(level, begin(level.scaled(1.01 * level.flat)), Settings(tolerance=1e-12))
-    if not model.relaxed and model.out_of_plane:
-        search(level.force, state)
+    if not model.relaxed:
+        space = level if model.out_of_plane else make_level(tiny, replace(model, out_of_plane=True), grid, 1)
+        lowest_out_of_plane(
+            space.examined, np.ascontiguousarray(np.moveaxis(in_space(state.r), -1, 0)), ~level.fixed, 0
+        )
+        if model.out_of_plane:
+            search(level.force, state)
     return time.perf_counter() - started

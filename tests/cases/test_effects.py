@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from cases.effects import EffectError, choose_method, decide, not_justified
 from cases.methods import METHODS, MethodError, choose, effects_of
 from cases.results import read_document
 from cases.schema import Scene
-from cases.survey import loads_in_plane, survey, wrinkles_of
+from cases.survey import loads_in_plane, stiffness_against_buckling, survey, wrinkles_of
 from fdsolver import meshes
 from fdsolver.material import Sheet
 from fdsolver.model import KOITER, MEMBRANE
@@ -97,19 +98,75 @@ def test_the_unwrinkled_compressed_state_is_not_justified(tmp_path) -> None:
     assert run(scene, method="membrane").status is Status.CONVERGED
 
 
-def test_relaxed_membranes_are_convex_and_bending_is_judged_by_the_wrinkles() -> None:
-    """The verdict on bending follows the thickness; the tension field itself does not know it."""
+def test_a_stiff_plate_is_planar_although_it_is_compressed() -> None:
+    """The strip appears wrinkled at 2.77 % (finite elements): at 2 % its flat state is stable, at 5 % it is not."""
+    decided = {}
+    for percent in (2, 5):
+        scene = load_scene("stretch", {"edges.top.move_mm": [0.0, 2.54 * percent, 0.0]})
+        decided[percent] = decide(scene, KOITER)
+        assert survey(scene).wrinkled > 0.1
+    model, effects = decided[2]
+    assert not model.out_of_plane and model.bending  # the plate's hourglass stiffness stays
+    assert "too stiff to buckle" in effects["out_of_plane"].why
+    assert not effects["bending"].on
+    assert decided[5][0].out_of_plane
+    # thin, its waves are too short for a coarse flat plate: nothing cheap says that it stays flat
+    thin = load_scene("stretch", {"edges.top.move_mm": [0.0, 5.08, 0.0], "sheet.thickness_mm": 1e-3})
+    assert stiffness_against_buckling(thin) is None
+    assert decide(thin, KOITER)[0].out_of_plane
+
+
+@pytest.mark.parametrize(("percent", "verdict"), [(2, "justified"), (10, "not justified")])
+def test_a_plate_kept_in_its_plane_is_judged_by_its_stability(percent: int, verdict: str) -> None:
+    pull = {"edges.top.move_mm": [0.0, 2.54 * percent, 0.0], "effects.out_of_plane": "off"}
+    solution, scene = solved("stretch", "koiter", **{"mesh.nodes": 2500, **pull})
+    effects = effects_of(METHODS["koiter"], solution, scene)
+    assert {effects[name].justified for name in ("out_of_plane", "bending")} == {verdict}
+    whole, _ = solved("stretch", "koiter", **{"mesh.nodes": 2500, **pull, "effects.out_of_plane": "on"})
+    same = solution.energy_N_mm["total"] == pytest.approx(whole.energy_N_mm["total"], rel=1e-7)
+    assert same == (verdict == "justified")
+
+
+def test_bending_left_out_is_never_justified_where_something_wrinkles() -> None:
+    """However little energy wrinkles hold, a membrane does not say what they are; the size follows the thickness."""
     verdicts = {}
     for thickness in (1e-4, 5.0):
         solution, scene = solved("hole", "tension-field", **{"sheet.thickness_mm": thickness})
         effects = effects_of(METHODS["tension-field"], solution, scene)
         assert effects["out_of_plane"].justified == "justified"
         verdicts[thickness] = effects["bending"]
-    assert verdicts[1e-4].justified == "justified"
-    assert verdicts[5.0].justified == "not justified"
+        assert effects["bending"].justified == "not justified"
+        assert re.search(r"wrinkles of about .* mm high, are left out, with", effects["bending"].why)
     # energy per volume goes with D k^2 / h ~ h^2 (T / D)^(1/2) ~ h
     sizes = [verdicts[h].size or 0.0 for h in (1e-4, 5.0)]
     assert sizes[1] / sizes[0] == pytest.approx(5.0 / 1e-4, rel=1e-6)
+
+
+@pytest.mark.parametrize(("thickness", "verdict"), [(0.5, "justified"), (20.0, "not justified")])
+def test_bending_of_a_tense_sheet_is_judged_by_the_energy_it_would_hold(
+    thickness: float, verdict: str
+) -> None:
+    changes = {"sheet.thickness_mm": thickness, "mesh.nodes": 1500}
+    solution, scene = solved("annulus-lift", "tension-field", **changes)
+    bending = effects_of(METHODS["tension-field"], solution, scene)["bending"]
+    assert bending.justified == verdict
+    plate, _ = solved("annulus-lift", "koiter", **changes)
+    added = plate.energy_N_mm["total"] / solution.energy_N_mm["total"] - 1.0
+    # a small energy changes the total by itself, to first order; the rest is in the square of its share
+    assert added == pytest.approx(bending.size, rel=0.1)
+    assert (added < 1e-3) == (verdict == "justified")
+
+
+def test_stiffness_against_checkerboards_counts_where_bending_is_left_out() -> None:
+    """A strip pulled by 30 % is tense; its corners feel the plate's hourglass stiffness, which a membrane lacks."""
+    changes = {"edges.top.move_mm": [0.0, 76.2, 0.0], "mesh.nodes": 4000}
+    membrane, scene = solved("stretch", "tension-field", **changes)
+    bending = effects_of(METHODS["tension-field"], membrane, scene)["bending"]
+    assert bending.justified == "not justified"
+    plate, _ = solved("stretch", "koiter", **changes)
+    change = np.abs(plate.zone.stretch_minor - membrane.zone.stretch_minor).max()
+    assert change > 1e-3
+    assert float(bending.why.rsplit(" ", 1)[1]) == pytest.approx(change, rel=0.5)
 
 
 def test_predicted_wrinkles_of_a_uniform_shortening() -> None:
@@ -125,6 +182,10 @@ def test_predicted_wrinkles_of_a_uniform_shortening() -> None:
     short = push - 0.3 * pull
     energy = 2 * sheet.bending_stiffness_N_mm * (2 * math.pi / wavelength) ** 2 * short * 100.0 * 50.0
     assert found.energy_N_mm == pytest.approx(energy, rel=1e-12)
+    assert found.height_mm == pytest.approx(wavelength * math.sqrt(short) / math.pi, rel=1e-12)
+    assert found.share == pytest.approx(1.0)
+    tense = wrinkles_of(grid, sheet, np.pad(1.02 * grid.u, ((0, 0), (0, 0), (0, 1))), 100.0)
+    assert (tense.wavelength_mm, tense.energy_N_mm, tense.height_mm, tense.share) == (math.inf, 0.0, 0.0, 0.0)
 
 
 def test_auto_chooses_the_model_by_what_wrinkles() -> None:
@@ -133,6 +194,11 @@ def test_auto_chooses_the_model_by_what_wrinkles() -> None:
     assert "cannot resolve" in choose_method(thin)[1]
     thick = load_scene("stretch", {"mesh.nodes": 20_000})
     assert choose_method(thick)[0] == "koiter"
+    assert "the mesh resolves" in choose_method(thick)[1]
+    flat = choose_method(load_scene("strip-tension"))
+    assert flat[0] == "koiter" and "stays flat" in flat[1]
+    lifted = choose_method(load_scene("annulus-lift"))
+    assert lifted[0] == "tension-field" and "tense everywhere" in lifted[1]
 
 
 def test_a_flat_plate_has_no_use_for_its_effects() -> None:
