@@ -210,8 +210,8 @@ def relax_to_stable(
 
     The kick is one thickness. The tolerance falls with every kick: near a saddle the force is small far from the
     equilibrium that is sought. Waves that have not settled are taken to their height. Models that do not buckle are
-    examined, not kicked. Returns the Status (of the last relaxation, INTERRUPTED, or UNSTABLE_FLAT when kicks do not
-    move a flat sheet) and the verdict {"stable", "how", "lowest"}; "stable" is None where waves do not settle.
+    examined, not kicked. Returns the Status (of the last relaxation, INTERRUPTED, UNSTABLE_FLAT when kicks do not
+    move a flat sheet, or STALLED when waves do not settle) and the verdict {"stable", "how", "lowest"}.
     """
     height = level.problem.sheet.thickness_mm / level.grid.length_mm
     while True:
@@ -228,7 +228,11 @@ def relax_to_stable(
         state.seconds += time.perf_counter() - started
         if isinstance(verdict, Growth):
             if state.growths == MOST_GROWTHS:
-                return status, {"stable": None, "how": UNSETTLED.format(verdict.share), "lowest": None}
+                return Status.STALLED, {
+                    "stable": None,
+                    "how": UNSETTLED.format(verdict.share),
+                    "lowest": None,
+                }
             kick(state, verdict.displacement, growth=True)
             continue
         answer = {"stable": verdict.stable, "how": verdict.how, "lowest": verdict.lowest}
