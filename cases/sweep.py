@@ -1,11 +1,8 @@
 """Wrinkles against a load: a plate solved at a list of loads, wrinkled and kept flat, as one table.
 
-Two questions have two answers each. Does the sheet wrinkle? The relaxed plate has wrinkles that gain energy, or the
-lowest eigenvalue of its flat state is negative; where both say the same, that is the truth. Where does it begin and end
-to wrinkle? Between two neighbouring loads of the table, or where that eigenvalue passes zero.
-
-Close to such a load wrinkles die out slowly: a run may meet its tolerance with a remnant of waves that cost energy. The
-height alone does not tell them from wrinkles; the energy does.
+Two questions have two answers each. Does the sheet wrinkle? The relaxed plate has wrinkles, or the lowest eigenvalue of
+its flat state is negative; where both say the same, that is the truth. Where does it begin and end to wrinkle? Between
+two neighbouring loads of the table, or where that eigenvalue passes zero.
 """
 
 from __future__ import annotations
@@ -85,7 +82,7 @@ def sweep(
     out : folder in which every load leaves its result folder KEY-VALUE; what is there already is not solved again.
     progress : called with every load that begins.
 
-    Columns: the key, status, stable, wrinkled (a height that counts, and energy gained), amplitude_mm, envelope_mm
+    Columns: the key, status, stable, wrinkled (a height that counts), amplitude_mm, envelope_mm
     (largest height of the envelope, whatever the phase), rms_mm, mean_wavelength_mm, half_waves, bending_N_mm,
     gained_N_mm (`energy_gained`; NaN where one of the states is not converged), flat_lowest (eigenvalue of the flat
     state, see `fdsolver.planar`), flat_stable, cpu_seconds.
@@ -107,7 +104,7 @@ def _row(scene: Scene, plan: Sweep, plate: Solution, flat: Solution) -> dict[str
     found = measure_section(section, plate.sheet.thickness_mm)
     comparable = plate.status is Status.CONVERGED and flat.status is Status.CONVERGED
     gained = energy_gained(plate, flat) if comparable else np.nan
-    wrinkled = found.amplitude_mm > WRINKLED * plate.sheet.thickness_mm and not gained <= 0.0
+    wrinkled = found.amplitude_mm > WRINKLED * plate.sheet.thickness_mm
     return {
         "status": plate.status.value,
         "stable": plate.stability["stable"],

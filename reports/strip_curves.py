@@ -43,10 +43,6 @@ class PullCurves:
         """The finest usable run of a pull."""
         return finest(self.runs[pull])
 
-    def is_wrinkled(self, run: Stored) -> bool:
-        """Whether a run of the strip ended wrinkled."""
-        return wrinkled_at_a_gain(run, self.flat)
-
     def flat_eigenvalues(self) -> dict[float, tuple[np.ndarray, np.ndarray]]:
         """For each mesh (nodes) pulls (%) and lowest eigenvalues of the strip kept flat, relative."""
         found: dict[float, list[tuple[float, float]]] = {}
@@ -57,35 +53,22 @@ class PullCurves:
         return {nodes: (*np.array(sorted(found[nodes])).T,) for nodes in sorted(found)}
 
 
-def wrinkled_at_a_gain(run: Stored, flat: Flat) -> bool:
-    """Whether a strip is higher than noise and, where the flat state is known, has gained energy by it.
-
-    Close to the loads at which wrinkles appear and vanish a run may end with a remnant that costs energy.
-    """
-    return wrinkled(run) and not energy_gained(run, flat.get(partner_key(run))) <= 0.0
-
-
 def curves(groups: Mapping[float, list[Stored]], flat: Flat) -> PullCurves:
     """Extrapolate every measure at every pull.
 
     groups : runs by pull (%), from coarse to fine.  flat : flat runs by `loads.partner_key`.
     """
 
-    def is_wrinkled(run: Stored) -> bool:
-        return wrinkled_at_a_gain(run, flat)
-
     quantities: Mapping[str, Callable[[Stored], float]] = {
         "amplitude": crest_height,
         "rms": lambda s: measure(s, "rms_mm"),
-        "wavelength": lambda s: wavelength(s) if is_wrinkled(s) else math.nan,
+        "wavelength": lambda s: wavelength(s) if wrinkled(s) else math.nan,
         "bending": lambda s: s.value("energy_N_mm", "bending"),
         "gained": lambda s: energy_gained(s, flat.get(partner_key(s))),
     }
-    found = {
-        name: [banded(runs, q, is_wrinkled) for runs in groups.values()] for name, q in quantities.items()
-    }
+    found = {name: [banded(runs, q, wrinkled) for runs in groups.values()] for name, q in quantities.items()}
     found["half_waves"] = [
-        counted(runs, lambda s: measure(s, "half_waves") if is_wrinkled(s) else math.nan)
+        counted(runs, lambda s: measure(s, "half_waves") if wrinkled(s) else math.nan)
         for runs in groups.values()
     ]
     return PullCurves(np.array(list(groups)), found, groups, flat)
@@ -120,11 +103,7 @@ def pull_table(found: PullCurves) -> Table:
         rows.append(
             (
                 f"{pull:g}",
-                *(
-                    _cells(cells)
-                    if last is None or not last.converged or found.is_wrinkled(last)
-                    else FLAT_CELLS
-                ),
+                *(_cells(cells) if last is None or not last.converged or wrinkled(last) else FLAT_CELLS),
                 number(lowest_flat(last, found.flat), 2),
                 f"{good} of {len(runs)}",
                 whole(last.value("nodes")) if last is not None else "–",

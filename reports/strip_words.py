@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from reports.content import Text
+from reports.loads import wrinkled
 from reports.plan_sheets import SHOWN_PULLS
 from reports.strip_curves import PullCurves, crossings, lowest_flat
 from reports.style import number, whole
@@ -46,7 +47,7 @@ def _at_shown(found: PullCurves) -> list[str]:
         k = np.flatnonzero(np.isclose(found.pulls, pull))
         if k.size and np.isfinite(found.curves["amplitude"][k[0]].finest):
             last = found.finest(float(found.pulls[k[0]]))
-            flat = last is not None and not found.is_wrinkled(last)
+            flat = last is not None and not wrinkled(last)
             size = "nothing" if flat else f"{found.curves['amplitude'][k[0]].text()} mm"
             parts.append(f"{size} at {pull:g} %")
     return [f"The crest height is {', '.join(parts)}."] if parts else []
@@ -85,14 +86,14 @@ def states_by_mesh(found: PullCurves) -> dict[float, list[tuple[float, bool]]]:
     for pull, runs in found.runs.items():
         for run in runs:
             if run.converged:
-                states.setdefault(run.value("nodes"), []).append((pull, found.is_wrinkled(run)))
+                states.setdefault(run.value("nodes"), []).append((pull, wrinkled(run)))
     return dict(sorted(states.items()))
 
 
 def _last(found: PullCurves) -> list[str]:
     """The evidence that flat is the truth where the strip stays flat at the largest pull."""
     last = found.finest(float(found.pulls[-1]))
-    if last is None or not last.converged or found.is_wrinkled(last):
+    if last is None or not last.converged or wrinkled(last):
         return []
     lowest = lowest_flat(last, found.flat)
     known = lowest if math.isfinite(lowest) else last.value("stability", "lowest")
