@@ -83,7 +83,7 @@ class HardCase:
 
 @dataclass(frozen=True)
 class Row:
-    """One row of the table of hard cases; units as in the names, `seconds` is process time."""
+    """One row of the table of hard cases; `seconds` is process time, `energy` N mm."""
 
     name: str
     family: str
@@ -95,6 +95,7 @@ class Row:
     message: str
     steps: int
     seconds: float
+    energy: float | None
     monotone: bool | None
     hourglass: float | None
     warnings: int
@@ -120,6 +121,7 @@ def judged(case: HardCase, finding: Finding) -> Row:
         message=solution.message,
         steps=solution.steps,
         seconds=solution.cpu_seconds,
+        energy=solution.energy_N_mm["total"],
         monotone=energy_is_monotone(solution),
         hourglass=max(shares, default=None),
         warnings=len(solution.warnings),
@@ -136,6 +138,7 @@ def unnamed(case: HardCase, message: str, seconds: float) -> Row:
         message=message,
         steps=0,
         seconds=seconds,
+        energy=None,
         monotone=None,
         hourglass=None,
         warnings=0,

@@ -168,7 +168,7 @@ def slack_sheets() -> list[HardCase]:
             f"wide-hole-{radius:g}",
             family,
             f"hole of radius {radius:g} mm in a sheet 50 mm wide, pulled by 10 %",
-            "both ends must be pulled with the same force: equilibrium of the whole sheet",
+            "the relaxed energy is convex: an equilibrium is the answer, and both ends pull with the same force",
             "hole",
             "tension-field",
             4000,
