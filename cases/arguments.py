@@ -160,6 +160,10 @@ def _cost(parser: Parser) -> Parser:
     parser.add_argument("--methods", metavar="A,B,..", help="methods (default: all that fit)")
     parser.add_argument("--nodes", metavar="N,M,..", help="meshes (default: 1000 to 64000)")
     parser.add_argument("--seconds", metavar="S", help="time limit of each run (default: 120)")
+    parser.add_argument("--repeats", metavar="N", default="3", help="runs of each short case (default: 3)")
+    parser.add_argument(
+        "--no-options", action="store_true", help="leave out other dampings, masses and so on"
+    )
     parser.add_argument("--out", metavar="DIR", help="folder (default: runs/SCENE-cost)")
     parser.add_argument("--quiet", action="store_true", help="no progress lines")
     return parser

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from cases.cost_plan import ELEMENT_MESHES, MAX_SECONDS, MESHES, OPTIONS_MESH, CostRun, plan, repeat
+from cases.cost_plan import EVERYTHING, OPTIONS_MESH, CostRun, Extent, plan, repeat
 from cases.cost_reference import Reference
 from cases.cost_table import Measured, as_row, measure, pareto, sentences
 from cases.files import json_text
@@ -20,6 +20,7 @@ from cases.interrupt import Interruption
 from cases.machine import code, machine, source_digest, versions
 from cases.methods import METHODS, methods_of
 from cases.scene import load_scene
+from cases.schema import Scene
 from cases.study import TO_DO
 from cases.study_points import Point
 from cases.study_pool import solve_here
@@ -27,8 +28,7 @@ from cases.study_table import result_of
 from fdsolver.checkpoint import write_atomically
 
 SOLVERS = ("fdsolver", "tensionfield", "femref")
-REPEATS = 3  # of runs below REPEAT_SECONDS
-REPEAT_SECONDS = 20.0
+REPEAT_SECONDS = 20.0  # of the longest run that is repeated
 Say = Callable[[str], None]
 
 
@@ -48,30 +48,27 @@ def cost(
     out: Path | str,
     changes: Mapping[str, object] | None = None,
     methods: Sequence[str] | None = None,
-    meshes: Sequence[int] = MESHES,
-    max_seconds: float = MAX_SECONDS,
+    extent: Extent = EVERYTHING,
     say: Say | None = None,
     interruption: Interruption | None = None,
 ) -> Cost:
     """Run what is missing and write `out`/cost.csv and cost.json.
 
-    source, changes : scene and dotted keys. methods, meshes : None and the default take what fits. max_seconds : limit
-    of each run; a run that meets it stays in the table as such. say : called with a line per run.
+    source, changes : scene and dotted keys. methods : None takes all that fit. extent : meshes, options, repeats and
+    the time limit of each run. say : called with a line per run.
 
     Raises SceneError for a scene that cannot be used, KeyboardInterrupt after an interruption (finished runs are kept).
     """
     out = Path(out)
     folder = out / "runs" / source_digest(SOLVERS)[:12]
     folder.mkdir(parents=True, exist_ok=True)
-    runs = plan(source, changes or {}, methods, meshes, max_seconds)
+    runs = plan(source, changes or {}, methods, extent)
     _solve([run.point for run in runs], folder, say, interruption)
-    repeats = {run.point.name: _repeats(run, folder) for run in runs}
+    repeats = {run.point.name: _repeats(run, folder, extent.repeats) for run in runs}
     _solve([again.point for some in repeats.values() for again in some], folder, say, interruption)
     rows, found = measure([(run, repeats[run.point.name]) for run in runs], folder)
     scene = load_scene(source, dict(changes or {}))
-    result = Cost(
-        scene.name, rows, found, sentences(rows, found), _omitted(source, changes or {}, methods, meshes)
-    )
+    result = Cost(scene.name, rows, found, sentences(rows, found), _omitted(scene, methods, extent))
     _write(result, out)
     return result
 
@@ -94,28 +91,30 @@ def _solve(points: Sequence[Point], folder: Path, say: Say | None, interruption:
     solve_here(to_do, folder, 1, False, finished, interruption)
 
 
-def _repeats(run: CostRun, folder: Path) -> list[CostRun]:
-    """The repeats of a run that is short enough."""
+def _repeats(run: CostRun, folder: Path, count: int) -> list[CostRun]:
+    """The repeats of a run that is short enough, so that there are `count` in all."""
     result = result_of(run.point, folder)
     short = "seconds" in result and result["seconds"] < REPEAT_SECONDS
-    return [repeat(run, number) for number in range(2, REPEATS + 1)] if short else []
+    return [repeat(run, number) for number in range(2, count + 1)] if short else []
 
 
-def _omitted(
-    source: str, changes: Mapping[str, object], methods: Sequence[str] | None, meshes: Sequence[int]
-) -> dict[str, str]:
+def _omitted(scene: Scene, methods: Sequence[str] | None, extent: Extent) -> dict[str, str]:
     """What the table does not have."""
-    fitting = methods_of(load_scene(source, dict(changes)))
+    fitting = methods_of(scene)
     left = {
         method: "the scene has no such solution" if method not in fitting else "not asked for"
         for method in METHODS
         if method not in (fitting if methods is None else methods)
     }
-    left["combinations of options"] = (
-        f"damping, mass, tolerance and the like are changed one at a time, at {OPTIONS_MESH} nodes"
-    )
+    if extent.options:
+        left["combinations of options"] = (
+            f"damping, mass, tolerance and the like are changed one at a time, at about {OPTIONS_MESH} nodes"
+        )
+    else:
+        left["other ways to iterate"] = "damping, mass, tolerance and the like were not asked for"
     left["finer meshes"] = (
-        f"finite differences up to {max(meshes)} nodes, finite elements up to {max(ELEMENT_MESHES)} vertices"
+        f"finite differences up to {max(extent.meshes)} nodes,"
+        f" finite elements up to {max(extent.vertices, default=0)} vertices"
     )
     left["compilation"] = "kernels are compiled once per machine; the time stands in its own column"
     left["several threads"] = "every run has one thread; the scaling table has the others"

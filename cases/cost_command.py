@@ -7,12 +7,14 @@ import sys
 from pathlib import Path
 
 from cases.commands import method_names, out_folder, whole_number, words_of
-from cases.cost_plan import MAX_SECONDS, MESHES
+from cases.cost_plan import MAX_SECONDS, MESHES, Extent
 from cases.interrupt import Interruption
 from cases.overrides import read_overrides
 from cases.problems import Problem, SceneError, shown
 from cases.scene import load_scene
 from cases.schema import LARGEST_NODES, SMALLEST_NODES
+
+MOST_REPEATS = 1000
 
 
 def cost_of_accuracy(arguments: argparse.Namespace, interruption: Interruption) -> int:
@@ -31,6 +33,7 @@ def cost_of_accuracy(arguments: argparse.Namespace, interruption: Interruption) 
         for word in ([] if arguments.nodes is None else words_of(arguments.nodes, "--nodes"))
     ]
     seconds = _seconds(arguments.seconds, problems)
+    repeats = whole_number("--repeats", arguments.repeats, 1, MOST_REPEATS, problems)
     if problems or scene is None:
         raise SceneError(problems)
     out = out_folder(arguments.out, f"runs/{scene.name}-cost")
@@ -42,8 +45,12 @@ def cost_of_accuracy(arguments: argparse.Namespace, interruption: Interruption) 
         out,
         changes,
         methods or None,
-        sorted(count for count in meshes if count) or MESHES,
-        seconds,
+        Extent(
+            sorted(count for count in meshes if count) or MESHES,
+            not arguments.no_options,
+            repeats or 1,
+            seconds,
+        ),
         None if arguments.quiet else _say,
         interruption,
     )

@@ -12,7 +12,8 @@ from cases.schema import Scene, Solver
 from cases.study_points import Choices, Point, make_points
 
 MESHES = (1000, 2000, 4000, 8000, 16_000, 32_000, 64_000)
-ELEMENT_MESHES = (400, 1000, 2500, 6000)  # vertices: an element costs a hundred times a zone
+ELEMENT_MESHES = (300, 600, 1200, 2400, 4800)  # vertices: an element costs a hundred times a zone
+NODES_PER_VERTEX = 6  # of the finest mesh over the vertices of the finest elements, at least
 OPTIONS_MESH = (
     8000  # where the other ways to iterate are compared: large enough to tell, small enough for the slow
 )
@@ -21,6 +22,29 @@ RELAXED = ("tension-field", "membrane", "koiter")  # by the engine with its damp
 PRINTED = "koiter-published"
 MAX_SECONDS = 120.0
 PERTURBED = "start.perturbation"
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is measured.
+
+    meshes : node counts of the finite-difference methods, rising. options : whether the other ways to iterate are
+    measured too. repeats : runs of a short case, at least 1. max_seconds : limit of each run; a run that meets it stays
+    in the table as such.
+    """
+
+    meshes: Sequence[int] = MESHES
+    options: bool = True
+    repeats: int = 3
+    max_seconds: float = MAX_SECONDS
+
+    @property
+    def vertices(self) -> tuple[int, ...]:
+        """Vertices of the finite-element meshes that go with the meshes."""
+        return tuple(count for count in ELEMENT_MESHES if count * NODES_PER_VERTEX <= max(self.meshes))
+
+
+EVERYTHING = Extent()
 
 
 @dataclass(frozen=True)
@@ -36,21 +60,21 @@ def plan(
     source: str,
     changes: Mapping[str, object],
     methods: Sequence[str] | None = None,
-    meshes: Sequence[int] = MESHES,
-    max_seconds: float = MAX_SECONDS,
+    extent: Extent = EVERYTHING,
 ) -> list[CostRun]:
     """The runs for a scene. source : built-in name or path. changes : dotted scene keys, as of `--set`.
 
-    methods : names; None takes all that fit the scene. meshes : node counts of the finite-difference methods.
+    methods : names; None takes all that fit the scene.
     """
+    changes = {**changes, "solver.max_seconds": extent.max_seconds}
     scene = load_scene(source, dict(changes))
     runs: list[CostRun] = []
     for method in methods_of(scene) if methods is None else methods:
-        nodes = ELEMENT_MESHES if METHODS[method].finite_elements else meshes
-        runs += _series(source, changes, method, nodes, {}, "", max_seconds)
-        middle = min(meshes, key=lambda count: abs(count - OPTIONS_MESH))
-        for option, change in options_of(method, scene):
-            runs += _series(source, changes, method, [middle], change, option, max_seconds)
+        nodes = extent.vertices if METHODS[method].finite_elements else extent.meshes
+        runs += _series(source, changes, method, nodes, {}, "")
+        middle = min(extent.meshes, key=lambda count: abs(count - OPTIONS_MESH))
+        for option, change in options_of(method, scene) if extent.options else ():
+            runs += _series(source, changes, method, [middle], change, option)
     return list({run.point.name: run for run in runs}.values())
 
 
@@ -85,11 +109,9 @@ def _series(
     nodes: Sequence[int],
     change: Mapping[str, object],
     option: str,
-    max_seconds: float,
 ) -> list[CostRun]:
     """Runs of one method and option on several meshes."""
-    every = {**changes, **change, "solver.max_seconds": max_seconds}
-    points = make_points(source, [every], Choices([method], list(nodes)), source)
+    points = make_points(source, [{**changes, **change}], Choices([method], list(nodes)), source)
     return [CostRun(point, f"{method}, {option}" if option else method, option) for point in points]
 
 

@@ -8,10 +8,8 @@ import math
 import pandas as pd
 import pytest
 
-import cases.cost
-import cases.cost_plan
 from cases.__main__ import main
-from cases.cost_plan import CostRun, options_of, plan, repeat
+from cases.cost_plan import CostRun, Extent, options_of, plan, repeat
 from cases.cost_reference import Reference, quantities_of, references
 from cases.cost_table import Measured, cheapest, lasting_error, pareto, sentences
 from cases.scene import load_scene
@@ -29,7 +27,7 @@ def measured(method, nodes, seconds, error, option="", status="converged"):
 
 
 def test_every_method_runs_on_every_mesh_and_other_options_on_one():
-    runs = plan("annulus", {}, meshes=(1000, 8000, 64_000))
+    runs = plan("annulus", {}, extent=Extent((1000, 8000, 64_000)))
     usual = {(run.point.method, run.point.nodes) for run in runs if not run.option}
     assert {("koiter", 1000), ("koiter", 64_000), ("tension-field", 8000), ("exact", 8000)} <= usual
     other = [run for run in runs if run.option and run.point.method == "koiter"]
@@ -37,6 +35,13 @@ def test_every_method_runs_on_every_mesh_and_other_options_on_one():
     assert {"damping kinetic", "mass uniform", "one mesh", "tolerance 1e-04"} <= {run.option for run in other}
     assert len({run.point.name for run in runs}) == len(runs)
     assert not any(run.option for run in runs if run.point.method == "exact")
+
+
+def test_a_smaller_extent_has_fewer_elements_and_no_options():
+    runs = plan("stretch", {}, ["koiter", "buckling"], Extent((1000, 8000), options=False, max_seconds=7.0))
+    counts = {(run.point.method, run.point.nodes) for run in runs}
+    assert counts == {("koiter", 1000), ("koiter", 8000), *(("buckling", n) for n in (300, 600, 1200))}
+    assert {run.point.changes["solver.max_seconds"] for run in runs} == {7.0}
 
 
 def test_options_leave_out_what_the_scene_has_already():
@@ -47,7 +52,7 @@ def test_options_leave_out_what_the_scene_has_already():
 
 
 def test_a_repeat_is_the_same_solve_in_another_folder():
-    run = plan("annulus", {}, ["koiter"], (1000,))[0]
+    run = plan("annulus", {}, ["koiter"], Extent((1000,)))[0]
     again = repeat(run, 2)
     assert again.point.name != run.point.name
     assert (again.point.changes, again.point.nodes, again.series) == (
@@ -142,10 +147,9 @@ def test_a_sentence_names_the_way_its_mesh_and_its_time():
     )
 
 
-def test_a_scene_is_measured_kept_and_told(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(cases.cost_plan, "options_of", lambda *_: [])
-    monkeypatch.setattr(cases.cost, "REPEATS", 1)
+def test_a_scene_is_measured_kept_and_told(tmp_path, capsys):
     words = ["cost", "annulus-lift", "--methods", "exact,tension-field", "--nodes", "500,1000,2000"]
+    words += ["--no-options", "--repeats", "1"]
     assert main([*words, "--out", str(tmp_path)]) == 0
     said = capsys.readouterr()
     assert "6 runs, 6 converged" in said.out and "[6/6]" in said.err
@@ -156,7 +160,8 @@ def test_a_scene_is_measured_kept_and_told(tmp_path, monkeypatch, capsys):
     assert (table["cpu_seconds"] > 0.0).all()
     document = json.loads((tmp_path / "cost.json").read_text())
     assert {r["how"] for r in document["references"] if r["quantity"] == ENERGY} == {"closed form"}
-    assert "koiter" in document["omitted"]
+    assert {"koiter", "other ways to iterate"} <= set(document["omitted"])
+    assert set(table["repeats"]) == {1}
     assert any("1 % in energy_N_mm.total" in sentence for sentence in document["sentences"])
     # a second call solves nothing
     assert main([*words, "--out", str(tmp_path)]) == 0
