@@ -22,7 +22,7 @@ PLANS = {
     "annulus-lift": (RINGS, False),
     "annulus-twist": (RINGS, False),
     "annulus-shrink": (RINGS, False),
-    str(Path(__file__).parent / "scenes" / "steep-hub.toml"): (RINGS, False),
+    str(Path(__file__).parent / "scenes" / "small-hub.toml"): (RINGS, False),
     "stretch": (WAVES, True),
     "hole": (RINGS, False),
     "shear": (WAVES, False),
