@@ -9,12 +9,12 @@ element nodes.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from femref.compiled import compiled
 from femref.koiter import density, density_hessian
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _basis(x, y, radius, out):
     """Derivatives ,1 ,2 ,11 ,12 ,22 (rows) of the 16 functions, and the functions (last row); (6, 16).
 
@@ -35,7 +35,7 @@ def _basis(x, y, radius, out):
                     out[5, f] = x[0, p] * y[0, q]
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _gather(q, e, g, local):
     """Nodal values (16, 3) of element (e, g)."""
     for a in range(2):
@@ -46,7 +46,7 @@ def _gather(q, e, g, local):
                     local[4 * (2 * a + b) + kind, k] = q[i, g + b, kind, k]
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _derivatives(basis, local, d):
     for p in range(5):
         for k in range(3):
@@ -56,7 +56,7 @@ def _derivatives(basis, local, d):
                 d[p, k] += basis[p, f] * local[f, k]
 
 
-@njit(cache=True)
+@compiled()
 def energy(q, tables, moduli, membrane_only):
     """(2,) membrane and bending energy; summed by columns of elements, so that rounding stays small."""
     x, y, weight_x, weight_y, radius = tables
@@ -79,7 +79,7 @@ def energy(q, tables, moduli, membrane_only):
     return total
 
 
-@njit(cache=True)
+@compiled()
 def add_gradient(q, tables, moduli, membrane_only, out):
     """Add the derivative of the energy by q to out (ni, nj, 4, 3)."""
     x, y, weight_x, weight_y, radius = tables
@@ -108,7 +108,7 @@ def add_gradient(q, tables, moduli, membrane_only, out):
                             out[i, g + b, kind, k] += force[4 * (2 * a + b) + kind, k]
 
 
-@njit(cache=True)
+@compiled()
 def add_hessian(q, tables, moduli, membrane_only, places, data):
     """Add the second derivative of the energy by q to the node blocks."""
     x, y, weight_x, weight_y, radius = tables
@@ -130,7 +130,7 @@ def add_hessian(q, tables, moduli, membrane_only, places, data):
             _scatter(element, places[e, g], data)
 
 
-@njit(cache=True, fastmath=True)
+@compiled(fastmath=True)
 def _add_outer(basis, second, area, half, element):
     """element[k, m] += area B^T second[k, m] B for k <= m (of 5 x 5 second derivatives, 5 x 16 B)."""
     for k in range(3):
@@ -155,7 +155,7 @@ def _add_outer(basis, second, area, half, element):
                     )
 
 
-@njit(cache=True)
+@compiled()
 def _scatter(element, places, data):
     for a in range(4):
         for b in range(4):
@@ -170,7 +170,7 @@ def _scatter(element, places, data):
                                 block[3 * f + k, 3 * r + m] += element[m, k, 4 * b + r, 4 * a + f]
 
 
-@njit(cache=True)
+@compiled()
 def add_mass(tables, places, data):
     """Add the matrix of the integral of |r|^2 to the node blocks."""
     x, y, weight_x, weight_y, radius = tables

@@ -13,7 +13,8 @@ assumes small strain or small rotation.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from femref.compiled import compiled
 
 
 def moduli(young_MPa: float, poisson: float, thickness_mm: float) -> np.ndarray:
@@ -28,19 +29,19 @@ def moduli(young_MPa: float, poisson: float, thickness_mm: float) -> np.ndarray:
     return np.array([c, mu, c, mu]) * np.repeat([thickness_mm, thickness_mm**3 / 12.0], 2)
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _cross(a, b, out):
     out[0] = a[1] * b[2] - a[2] * b[1]
     out[1] = a[2] * b[0] - a[0] * b[2]
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True, inline="always")
+@compiled(inline="always")
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True)
+@compiled()
 def density(d, moduli, membrane_only, gradient):
     """Membrane and bending energy per area (N/mm) of the derivatives d (5, 3); dW/dd into gradient (5, 3).
 
@@ -82,7 +83,7 @@ def density(d, moduli, membrane_only, gradient):
     return membrane, 0.5 * turned
 
 
-@njit(cache=True)
+@compiled()
 def density_hessian(d, moduli, membrane_only, hessian):
     """d2W/dd2 into hessian (15, 15), row 3 p + k for component k of the derivative p."""
     hessian[:] = 0.0
@@ -91,7 +92,7 @@ def density_hessian(d, moduli, membrane_only, hessian):
         _bending_hessian(d, moduli, hessian)
 
 
-@njit(cache=True)
+@compiled()
 def _membrane_hessian(d, moduli, hessian):
     """h (S_ab delta_kl + c F_ka F_lb + mu (F_kb F_la + delta_ab F_kc F_lc))."""
     c, mu = moduli[0], moduli[1]
@@ -110,7 +111,7 @@ def _membrane_hessian(d, moduli, hessian):
                     hessian[3 * a + k, 3 * b + m] += value
 
 
-@njit(cache=True)
+@compiled()
 def _bending_hessian(d, moduli, hessian):
     """sum over curvatures I, J of db_I D_IJ db_J, and of the moments m_I times d2b_I."""
     bend_c, bend_mu = moduli[2], moduli[3]
@@ -143,7 +144,7 @@ def _bending_hessian(d, moduli, hessian):
     _curvature_second_derivatives(d, n, length, b, moment, hessian)
 
 
-@njit(cache=True)
+@compiled()
 def _curvature_second_derivatives(d, n, length, b, moment, hessian):
     """sum over I of m_I d2b_I, b_I = n . r,I; by the area vector A = F_1 x F_2 = J n.
 

@@ -119,12 +119,10 @@ def test_a_lock_goes_with_its_process_and_with_the_folder_it_was_on(tmp_path: Pa
 
 # Kernels
 
-KERNEL = """
-from fdsolver.rows import compiled
-@compiled
-def triple(x):
-    return 3.0 * x
-"""
+BODY = "\ndef triple(x):\n    return 3.0 * x\n"
+SOLVER = "from fdsolver.rows import compiled\n@compiled" + BODY
+WITNESS = "from femref.compiled import compiled\n@compiled()" + BODY
+KERNELS = pytest.mark.parametrize("kernel", [SOLVER, WITNESS], ids=["fdsolver", "femref"])
 
 
 def loaded(file: Path) -> ModuleType:
@@ -136,6 +134,7 @@ def loaded(file: Path) -> ModuleType:
     return module
 
 
+@KERNELS
 @pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
 @pytest.mark.parametrize(
     "damage",
@@ -149,34 +148,52 @@ def loaded(file: Path) -> ModuleType:
     ids=["empty", "rubbish", "cut", "bit", "checksum"],
 )
 def test_damaged_kernels_are_compiled_anew(
-    suffix: str, damage: Callable[[bytes], bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    kernel: str,
+    suffix: str,
+    damage: Callable[[bytes], bytes],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
     file = tmp_path / "kernel.py"
-    file.write_text(KERNEL)
+    file.write_text(kernel)
     assert loaded(file).triple(2.0) == 6.0
     (stored,) = (tmp_path / "cache").rglob(f"*{suffix}")
     stored.write_bytes(damage(stored.read_bytes()))
-    kernel = loaded(file).triple
-    assert kernel(2.0) == 6.0
-    assert sum(kernel.stats.cache_hits.values()) == 0
+    triple = loaded(file).triple
+    assert triple(2.0) == 6.0
+    assert sum(triple.stats.cache_hits.values()) == 0
     again = loaded(file).triple  # what was compiled anew has been kept, sound
     assert again(2.0) == 6.0
     assert sum(again.stats.cache_hits.values()) == 1
 
 
-def test_a_cache_that_cannot_be_written_costs_a_compilation_only(
+def test_a_witness_whose_sources_have_changed_anywhere_is_compiled_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
-    (tmp_path / "kernel.py").write_text(KERNEL)
-    kernel = loaded(tmp_path / "kernel.py").triple
+    file = tmp_path / "kernel.py"
+    file.write_text(WITNESS)
+    assert loaded(file).triple(2.0) == 6.0
+    monkeypatch.setattr("femref.compiled.sources_digest", lambda: "others")
+    triple = loaded(file).triple
+    assert triple(2.0) == 6.0
+    assert sum(triple.stats.cache_hits.values()) == 0
+
+
+@KERNELS
+def test_a_cache_that_cannot_be_written_costs_a_compilation_only(
+    kernel: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "kernel.py").write_text(kernel)
+    triple = loaded(tmp_path / "kernel.py").triple
 
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(kernel._cache._cache_file, "_write", full)
-    assert kernel(2.0) == 6.0
+    monkeypatch.setattr(triple._cache._cache_file, "_save_index", full)
+    assert triple(2.0) == 6.0
 
 
 # Clocks, memory, versions
