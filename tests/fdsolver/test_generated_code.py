@@ -13,13 +13,11 @@ from fdsolver import membrane, membrane_plane, meshes, plate_linear, plate_plane
 from fdsolver.effects import build_force
 from fdsolver.mass import nodal_masses
 from fdsolver.material import Sheet
-from fdsolver.membrane import StVenantKirchhoff
 from fdsolver.model import KOITER, MEMBRANE, Model
 from fdsolver.moderate import ModerateStVenantKirchhoff
-from fdsolver.rows import FAST
+from tests.generated_code import COLUMNS, LAW, SCRATCH, operations, operations_per_node, unrolled
 
-SCRATCH, COLUMNS = numba.float64[::1], numba.uint64
-LAW, MODERATE = numba.typeof(StVenantKirchhoff(0.3)), numba.typeof(ModerateStVenantKirchhoff(0.3))
+MODERATE = numba.typeof(ModerateStVenantKirchhoff(0.3))
 ROWS = {
     "membrane": (membrane.zone_row, (SCRATCH, LAW, COLUMNS)),
     "moderate": (membrane.zone_row, (SCRATCH, MODERATE, COLUMNS)),
@@ -33,24 +31,8 @@ ROWS = {
 
 
 @pytest.fixture(scope="module")
-def unrolled() -> dict[str, str]:
-    """Optimised code of the rows, one node at a time: vectorisation off, so that operations can be counted."""
-    code = {}
-    before = numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE
-    numba.config.LOOP_VECTORIZE = numba.config.SLP_VECTORIZE = 0
-    try:
-        for name, (row, signature) in ROWS.items():
-            fresh = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)(row.py_func)
-            fresh.compile(signature)
-            code[name] = fresh.inspect_llvm(fresh.signatures[0])
-    finally:
-        numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE = before
-    return code
-
-
-def operations(code: str) -> int:
-    """Floating-point additions and multiplications."""
-    return len(re.findall(r"= f(?:add|sub|mul|div|neg)\b", code))
+def code() -> dict[str, str]:
+    return {name: unrolled(row, signature) for name, (row, signature) in ROWS.items()}
 
 
 def memory(code: str) -> int:
@@ -76,12 +58,19 @@ def branches(code: str) -> int:
     ],
 )
 def test_leaving_an_effect_out_leaves_its_operations_out(
-    unrolled: dict[str, str], less: str, more: str, share: float
+    code: dict[str, str], less: str, more: str, share: float
 ) -> None:
-    assert operations(unrolled[more]) > 30  # the code is there to be counted
-    assert operations(unrolled[less]) < share * operations(unrolled[more])
-    assert memory(unrolled[less]) <= memory(unrolled[more])
-    assert branches(unrolled[less]) <= branches(unrolled[more])
+    assert operations(code[more]) > 30  # the code is there to be counted
+    assert operations(code[less]) < share * operations(code[more])
+    assert memory(code[less]) <= memory(code[more])
+    assert branches(code[less]) <= branches(code[more])
+
+
+def test_every_effect_left_out_of_the_plate_saves_operations() -> None:
+    linear, flat = dataclasses.replace(KOITER, moderate=True), dataclasses.replace(KOITER, out_of_plane=False)
+    planar = dataclasses.replace(MEMBRANE, out_of_plane=False)
+    counts = [operations_per_node(model) for model in (KOITER, linear, flat, planar)]
+    assert counts[0] > 1.8 * counts[1] and counts[1] > 1.2 * counts[2] and counts[2] > 1.2 * counts[3]
 
 
 def test_no_array_of_an_effect_that_is_off() -> None:
