@@ -112,7 +112,7 @@ METHODS = {
         _relaxation("membrane", "unrelaxed membrane", False, 1e-8, lambda: MEMBRANE),
         _relaxation("koiter", "Koiter plate", True, 1e-6, lambda: KOITER),
         Method("koiter-published", "Koiter plate, published scheme", True, True, 1e-8, _published),
-        Method("buckling", "buckling factors (finite elements)", True, False, 1e-8, _buckling, True),
+        Method("buckling", "buckling factors (finite elements)", True, False, 1e-6, _buckling, True),
         Method(
             "postbuckling",
             "Koiter plate (finite elements)",

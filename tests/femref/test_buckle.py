@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
-from femref.buckle import NoBuckling, factors_below, guess_of, shift_after, smallest_factors
+from femref.buckle import NoBuckling, distance_bounds, factors_below, guess_of, shift_after, smallest_factors
 from femref.meshes import annulus, rectangle, rectangle_with_hole
 from femref.parity import parities
 from femref.plate_matrices import PlateSpace, bending_stiffness, geometric_stiffness
@@ -44,6 +44,22 @@ def test_factors_are_those_of_the_dense_pencil_and_none_is_missing() -> None:
     assert found.residual < 1e-9
     middle = np.sqrt(wanted[4] * wanted[5])
     assert factors_below(bending, geometric, middle) == 5
+
+
+@pytest.mark.parametrize("wrong", [0.0, 1e-3])
+def test_distance_bounds_hold_and_are_sharp_for_a_wrong_factor(wrong: float) -> None:
+    """A mode whose factor is 1e-4 off is as far as that from the true one; a wrong mode only widens the bound."""
+    bending, geometric, _ = small_pencil()
+    dense, modes = eigh(-geometric.toarray(), bending.toarray())
+    positive = dense > 0.0
+    wanted, modes = 1.0 / dense[positive], modes[:, positive]
+    chosen = np.argsort(wanted)[:3]
+    shape = modes[:, chosen] + wrong * np.abs(modes[:, chosen]).max() * np.sin(np.arange(len(modes)))[:, None]
+    bounds = distance_bounds(bending, geometric, wanted[chosen] * (1.0 + 1e-4), shape)
+    if wrong:
+        assert (bounds > 1.01e-4).all()
+    else:
+        assert bounds == pytest.approx(1e-4, rel=1e-6)  # rounding, a hundredth of a millionth of it
 
 
 @pytest.mark.parametrize("guess", [1e-12, 1e6])
