@@ -93,9 +93,11 @@ def reactions_of(scene: Scene, whole: Whole) -> dict[str, Reaction]:
     }
 
 
-def errors_of(scene: Scene, levels: Sequence[Whole]) -> tuple[dict[str, Any], ...]:
-    """One entry per quantity: the error of the finest mesh's value, from the sequence of meshes."""
-    values = [measured(scene, whole) for whole in levels]
+def errors_of(levels: Sequence[Whole], values: Sequence[Mapping[str, float]]) -> tuple[dict[str, Any], ...]:
+    """One entry per quantity: the error of the finest mesh's value, from the sequence of meshes.
+
+    values : what was `measured` on each.
+    """
     elements = [math.prod(len(axis) - 1 for axis in whole.energy.mesh.breaks) for whole in levels]
     entries = []
     for name, finest in values[-1].items():
@@ -140,7 +142,7 @@ def solution_of(
     scene: Scene, levels: Sequence[Whole], status: Status, stability: Mapping[str, object], steps: int
 ) -> FiniteElementSolution:
     """The solution of the finest mesh; message, times, threads and seed are the caller's."""
-    whole = levels[-1]
+    whole, values = levels[-1], [measured(scene, each) for each in levels]
     mesh, state = whole.energy.mesh, whole.level.state
     grid = stored_mesh(mesh, scene.sheet.shape)
     membrane, bending = (float(part) for part in whole.parts)
@@ -168,11 +170,13 @@ def solution_of(
         hourglass={},
         stability=stability,
         warnings=_warnings(stability),
-        levels=tuple(_level_entry(each) for each in levels),
+        levels=tuple(
+            {**_level_entry(each), "quantities": found} for each, found in zip(levels, values, strict=True)
+        ),
         threads=1,
         seed=0,
         modes=np.zeros((0, grid.nodes)),
-        errors=errors_of(scene, levels) if status is Status.CONVERGED else (),
+        errors=errors_of(levels, values) if status is Status.CONVERGED else (),
         derivatives=stored_derivatives(mesh, whole.q),
     )
 

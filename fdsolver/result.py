@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -79,7 +80,7 @@ class Answer:
     energy_N_mm : {"total", "membrane", "bending"}, N mm.
     reactions : edge name -> Reaction, for supported edges.
     history : equal-length arrays, one value for each step that was noted.
-    levels : per nested mesh: nodes, steps, residual, energy_N_mm, seconds.
+    levels : per nested mesh: nodes, seconds, and what else the method knows of it.
     snapshots : empty, or the way to the equilibrium (`snapshots.Recorder.arrays`).
     """
 
@@ -101,7 +102,7 @@ class Answer:
     hourglass: Mapping[str, float | None]
     stability: Mapping[str, object]
     warnings: tuple[str, ...]
-    levels: tuple[Mapping[str, float], ...]
+    levels: tuple[Mapping[str, Any], ...]
     threads: int
     seed: int
     snapshots: Mapping[str, np.ndarray] = field(default_factory=dict)
