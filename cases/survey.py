@@ -33,6 +33,7 @@ from fdsolver.result import Solution, Status
 
 NODES = 1500  # of the coarse mesh: shares of the area to a few percent, which is all that is asked of it
 TOLERANCE = 1e-5
+FLAT_TOLERANCE = 1e-8  # of the flat plate: at 1e-5 the compression that wrinkles it may not have grown yet
 MOST_SECONDS = 20.0
 FLAT_LOAD = 1e-12  # out-of-plane movement of an edge, over the sheet's size, below which it is none
 COMPRESSED = (
@@ -127,19 +128,19 @@ def _once(kind: str, scene: Scene, make: Callable[[], Any]) -> Any:
     return _KEPT[key]
 
 
-def _coarse(scene: Scene, model: Model, nodes: int) -> Solution:
+def _coarse(scene: Scene, model: Model, nodes: int, tolerance: float = TOLERANCE) -> Solution:
     """A model of the whole sheet, unperturbed, on a coarse mesh."""
     from fdsolver.multilevel import solve
 
     make = grid_of(scene)
     moderate = scene.effects.kinematics == "moderate"
     problem = Problem(sheet_of(scene), edges_of(scene), make(nodes), make, perturbation=0.0)
-    settings = Settings(tolerance=TOLERANCE, levels=1, max_seconds=MOST_SECONDS)
+    settings = Settings(tolerance=tolerance, levels=1, max_seconds=MOST_SECONDS)
     return solve(problem, replace(model, moderate=moderate), settings)
 
 
 def _flat_plate(scene: Scene, nodes: int) -> Solution:
-    return _coarse(scene, replace(KOITER, out_of_plane=False), nodes)
+    return _coarse(scene, replace(KOITER, out_of_plane=False), nodes, FLAT_TOLERANCE)
 
 
 def _solve(scene: Scene, nodes: int) -> Survey:

@@ -99,17 +99,17 @@ def test_the_unwrinkled_compressed_state_is_not_justified(tmp_path) -> None:
 
 
 def test_a_stiff_plate_is_planar_although_it_is_compressed() -> None:
-    """The strip appears wrinkled at 2.77 % (finite elements): at 2 % its flat state is stable, at 5 % it is not."""
+    """The strip appears wrinkled at 2.77 % (finite elements), on the coarse mesh at 2.2 %: not at 1.5, but at 3 %."""
     decided = {}
-    for percent in (2, 5):
+    for percent in (1.5, 3):
         scene = load_scene("stretch", {"edges.top.move_mm": [0.0, 2.54 * percent, 0.0]})
         decided[percent] = decide(scene, KOITER)
         assert survey(scene).wrinkled > 0.1
-    model, effects = decided[2]
+    model, effects = decided[1.5]
     assert not model.out_of_plane and model.bending  # the plate's hourglass stiffness stays
     assert "too stiff to buckle" in effects["out_of_plane"].why
     assert not effects["bending"].on
-    assert decided[5][0].out_of_plane
+    assert decided[3][0].out_of_plane
     # thin, its waves are too short for a coarse flat plate: nothing cheap says that it stays flat
     thin = load_scene("stretch", {"edges.top.move_mm": [0.0, 5.08, 0.0], "sheet.thickness_mm": 1e-3})
     assert stiffness_against_buckling(thin) is None
