@@ -25,7 +25,7 @@ from cases.study import TO_DO
 from cases.study_points import Point
 from cases.study_pool import solve_here
 from cases.study_table import result_of
-from fdsolver.checkpoint import write_atomically
+from fdsolver.checkpoint import make_folder, write_atomically
 
 SOLVERS = ("fdsolver", "tensionfield", "femref")
 REPEAT_SECONDS = 20.0  # of the longest run that is repeated
@@ -61,7 +61,7 @@ def cost(
     """
     out = Path(out)
     folder = out / "runs" / source_digest(SOLVERS)[:12]
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     runs = plan(source, changes or {}, methods, extent)
     _solve([run.point for run in runs], folder, say, interruption)
     repeats = {run.point.name: _repeats(run, folder, extent.repeats) for run in runs}

@@ -17,7 +17,7 @@ import pandas as pd
 from cases.hard import HardCase, Row, judged, unnamed
 from cases.interrupt import Interruption
 from cases.machine import code, machine, versions
-from fdsolver.checkpoint import write_atomically
+from fdsolver.checkpoint import make_folder, write_atomically
 
 TABLE = "hard.json"
 LONGEST_SECONDS = (
@@ -50,7 +50,7 @@ def run_hard(
 
     Returns the table, one row per case. Raises StorageError if `out` cannot be written.
     """
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     wanted = [case for case in hard_cases() if not families or case.family in families]
     rows = _kept(out / TABLE)
     for number, case in enumerate(wanted, start=1):

@@ -33,7 +33,7 @@ from cases.scene import SceneError, load_scene
 from cases.scene_text import scene_hash, scene_toml
 from cases.schema import LARGEST_NODES, SMALLEST_NODES, Scene
 from cases.unstructured import AnySolution
-from fdsolver.checkpoint import Checkpoint, storage_error, write_atomically
+from fdsolver.checkpoint import Checkpoint, make_folder, storage_error, write_atomically
 from fdsolver.relax import Progress
 from fdsolver.result import Status
 
@@ -82,7 +82,7 @@ def run(
     if stored is not None:
         return stored
     refuse_too_many(points)
-    _make(out)
+    make_folder(out)
     with alone(out):
         # it may have been finished, or become something else, just before it was ours
         stored = _stored(out, identity, resolved, resume, force)
@@ -189,14 +189,6 @@ def _has_result(out: Path) -> bool:
         return read_document(out)["status"] != Status.INTERRUPTED.value
     except ResultError:
         return False
-
-
-def _make(out: Path) -> None:
-    """Make the folder of a run. Raises StorageError."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as reason:
-        raise storage_error(out, reason) from reason
 
 
 def _open(out: Path, scene: Scene, identity: str, fresh: bool) -> Checkpoint:

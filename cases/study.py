@@ -14,7 +14,7 @@ from cases.study_file import Study
 from cases.study_points import Point
 from cases.study_pool import solve_here
 from cases.study_table import result_of, write_table
-from fdsolver.checkpoint import write_atomically
+from fdsolver.checkpoint import make_folder, write_atomically
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,7 +43,7 @@ def run_study(
     ClusterError for a cluster that cannot be used.
     """
     out = Path(out)
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     write_atomically(out / "study.toml", lambda file: file.write(study.text))
     to_do = [point for point in study.points if _unfinished(point, out, resume)]
     report = _Report(study.points, len(study.points) - len(to_do), out, say)

@@ -13,10 +13,14 @@ from cases.study_file import Study, load_study
 
 CLUSTERS = ("slurm",)
 MOST_JOBS = 1024
+MACHINE_FAILED = ("failed", "died")  # statuses of points that the study, given again, begins anew
 
 
 def study(arguments: argparse.Namespace, interruption: Interruption) -> int:
-    """Solve the points of a study; 0 when finished, whatever their statuses, which the table shows."""
+    """Solve the points of a study; 0 when finished, whatever their statuses, which the table shows.
+
+    1 when the machine failed a point: a full disk, no memory, a process that was killed. What it was is said once.
+    """
     asked, jobs = _read(arguments)
     out = out_folder(arguments.out, f"runs/{asked.name}-study")
     from cases.study import run_study
@@ -32,7 +36,10 @@ def study(arguments: argparse.Namespace, interruption: Interruption) -> int:
     print(
         f"{out / 'study.csv'}: {len(table)} points; " + ", ".join(f"{n} {word}" for word, n in counts.items())
     )
-    return 0
+    broken = table[table["status"].isin(MACHINE_FAILED)]
+    for message in broken["message"].unique():
+        print(f"wrinkle: {message}", file=sys.stderr)
+    return int(len(broken) > 0)
 
 
 def _say(line: str) -> None:

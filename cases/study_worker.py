@@ -54,8 +54,8 @@ def solve_point(point: Point, out: Path, resume: bool, interruption: Interruptio
                 progress=None if interruption is None else interruption.watch(None),
             )
         except (ValueError, RuntimeError, ArithmeticError, OSError, MemoryError) as reason:
-            foreseen = isinstance(reason, ValueError | OSError)
-            note(out, point.name, "refused" if foreseen else "failed", str(reason) or type(reason).__name__)
+            status = "refused" if isinstance(reason, ValueError) else "failed"
+            note(out, point.name, status, str(reason) or type(reason).__name__)
             raise
         return solution.status.value
 
@@ -96,7 +96,7 @@ def main() -> int:
             return INTERRUPTED
         except (ValueError, OSError) as reason:
             print(f"wrinkle: {reason}", file=sys.stderr)
-            return REFUSED
+            return FAILED if isinstance(reason, OSError) else REFUSED
     return INTERRUPTED if status == "interrupted" else 0
 
 

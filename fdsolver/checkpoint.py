@@ -49,6 +49,14 @@ def storage_error(path: Path, reason: OSError) -> StorageError:
     return StorageError(f"Could not write {path}: {text}. What was there before is unchanged.")
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder, and those above it, if it is not there. Raises StorageError."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as reason:
+        raise storage_error(folder, reason) from reason
+
+
 def sync_directory(folder: Path) -> None:
     """Make renames inside `folder` durable (a rename lives in the directory, not in the file)."""
     handle = os.open(folder, os.O_RDONLY)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from fdsolver.checkpoint import make_folder, write_atomically
 from reports.plan import report_runs
 from reports.run import ReportRun
 from reports.stored import refusal_path
@@ -155,7 +156,7 @@ def _solve_otherwise(run: ReportRun, scene: Any, folder: Path, nodes: int | None
         if document.get("scene_hash") == identity and document["status"] == "converged":
             return "converged"
     solution = _flat(resolved) if run.imposed_mm is None else _from_waves(resolved, run.imposed_mm)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     write_result(folder, solution, resolved, probe(solution, resolved), {}, identity)
     return str(solution.status.value)
 
@@ -178,8 +179,6 @@ def _from_waves(scene: Any, half_wavelength_mm: float) -> Any:
 
 def note_refusal(folder: Path, status: str, message: str) -> None:
     """Leave the reason why a case has no result."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    target = refusal_path(folder)
-    unfinished = target.with_suffix(".part")
-    unfinished.write_text(json.dumps({"status": status, "message": message}), encoding="utf-8")
-    unfinished.replace(target)
+    make_folder(folder.parent)
+    text = json.dumps({"status": status, "message": message}).encode()
+    write_atomically(refusal_path(folder), lambda file: file.write(text))

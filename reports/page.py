@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import resources
 from pathlib import Path
 
+from fdsolver.checkpoint import write_atomically
 from reports.content import Drawing, Report, Table, Text
 from reports.drawing import data_uri
 
@@ -38,7 +39,6 @@ def numeric_columns(table: Table) -> list[bool]:
 
 
 def write_page(report: Report, path: Path) -> None:
-    """Write the page, by way of a temporary name so that no reader sees half of it."""
-    unfinished = path.with_suffix(".html.part")
-    unfinished.write_text(render_page(report), encoding="utf-8")
-    unfinished.replace(path)
+    """Write the page, whole or not at all. Raises StorageError."""
+    text = render_page(report).encode()
+    write_atomically(path, lambda file: file.write(text))

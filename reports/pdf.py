@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fdsolver.checkpoint import write_atomically
 from reports.content import TEXT_WIDTH_IN, Drawing, Report, Section, Table, Text
 from reports.drawing import PIXELS_PER_INCH, draw_on
 from reports.page import numeric_columns
@@ -92,13 +94,13 @@ class Pages:
 
 
 def write_pdf(report: Report, path: Path) -> None:
-    """Write the report, by way of a temporary name so that no reader sees half of it."""
+    """Write the report, whole or not at all. Raises StorageError."""
     import matplotlib
     from matplotlib.backends.backend_pdf import PdfPages
 
-    unfinished = path.with_suffix(".pdf.part")
+    whole = io.BytesIO()
     facts = {"Title": report.title, "Creator": "wrinklebench", "CreationDate": None}
-    with matplotlib.rc_context(FIGURE_STYLE), PdfPages(unfinished, metadata=facts) as file:
+    with matplotlib.rc_context(FIGURE_STYLE), PdfPages(whole, metadata=facts) as file:
         pages = Pages(file, report.title)
         _title(pages, report)
         for k, section in enumerate(report.sections):
@@ -107,7 +109,7 @@ def write_pdf(report: Report, path: Path) -> None:
         for line in report.footer:
             _paragraph(pages, line, 8.0)
         pages.finish()
-    unfinished.replace(path)
+    write_atomically(path, lambda file: file.write(whole.getvalue()))
 
 
 def _title(pages: Pages, report: Report) -> None:

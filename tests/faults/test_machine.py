@@ -1,4 +1,4 @@
-"""The machine fails: full and read-only disks, folders in use, damaged kernels, backward clocks, no memory."""
+"""The machine fails: folders in use, damaged kernels, backward clocks, no memory; for disks see test_disks."""
 
 from __future__ import annotations
 
@@ -28,50 +28,6 @@ WORDS = ["run", "annulus", "--method", "tension-field", "--nodes", "400", "--qui
 
 def never(_: object) -> None:
     raise AssertionError("this must not be solved")
-
-
-# Disks
-
-LIMITED = """
-import resource, sys
-from cases.__main__ import main
-resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]),) * 2)
-sys.exit(main(sys.argv[2:]))
-"""
-
-
-@pytest.mark.parametrize("limit", [100, 10_000])  # the scene file, the arrays of the result
-def test_a_disk_that_takes_no_more_is_one_sentence_and_the_run_can_be_repeated(
-    limit: int, tmp_path: Path, project: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A real refusal of the system, of the compile cache too, which must not end the run."""
-    environment = {**os.environ, "PYTHONPATH": str(project)}
-    command = [sys.executable, "-c", LIMITED, str(limit), *WORDS]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert done.returncode == 1
-    (sentence,) = done.stderr.splitlines()
-    assert (
-        sentence.startswith("wrinkle: Could not write ")
-        and "File too large. What was there before" in sentence
-    )
-    assert not (tmp_path / "out" / "result.json").exists()
-    assert list(tmp_path.glob(".*")) == []
-    monkeypatch.chdir(tmp_path)
-    assert main(WORDS) == 0
-
-
-def test_a_read_only_disk_is_one_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, faked: Fake
-) -> None:
-    def refuse(path: Path, _: str) -> None:
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
-
-    faked(never)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(checkpoint, "open", refuse, raising=False)
-    assert main(WORDS) == 1
-    (sentence,) = capsys.readouterr().err.splitlines()
-    assert sentence.startswith("wrinkle: Could not write out/scene.toml: Read-only file system.")
 
 
 # Two at a time
