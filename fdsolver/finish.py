@@ -29,7 +29,7 @@ from fdsolver.tangent import Tangent, reach_of, tangent
 from fdsolver.taut import follow
 
 SHIFT = 1e-8  # part of the diagonal added to the metric
-MOST_RELAXED = 12_000  # nodes of a relaxed membrane up to which finishing was found faster
+MOST_RELAXED = 200_000  # nodes of a relaxed membrane up to which finishing is tried unasked
 HARD = 1000  # steps of a relaxed membrane before an attempt: without slack zones it is at rest by then
 PATIENCE = 3  # the steps before an attempt over those before the one that failed
 MEMORY = 20  # pairs of L-BFGS

@@ -1,8 +1,11 @@
-"""Equilibrium of a relaxed membrane by following its central path (`slack`) down to the relaxed energy itself.
+"""Equilibrium of a relaxed membrane by an interior-point method in its stress and its wrinkling strain (`wrinkling`).
 
 Newton's method on the relaxed energy fails: its tangent jumps where zones become slack, and is singular where they
-are. On the central path the energy is smooth, so each of its points is found by a few primal-dual steps from the one
-before, with a tenth of m. The last ones are equilibria of the relaxed energy itself: no artificial stiffness is left.
+are. Here every zone keeps a little stress and a little wrinkling strain, whose product m falls to nothing. The last
+states are equilibria of the relaxed energy itself: no artificial stiffness is left, and none was ever in the nodes.
+
+Beside a slack region the tension falls by a factor of about ten from one row of zones to the next, so each decade of m
+loosens another row. That is why the iteration converges linearly at the end.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fdsolver import slack
+from fdsolver import wrinkling
 from fdsolver.cholesky import Cholesky, NotPositiveDefinite
 from fdsolver.dissection import Ordering
 from fdsolver.level import Level
@@ -20,19 +23,15 @@ from fdsolver.residual import residual
 from fdsolver.result import Status
 from fdsolver.tangent import Tangent
 
-FIRST = 1e-4  # m of the first point: strains of a hundredth count as hardly taut or slack
-NEXT = 0.1  # m of a point over that of the point before
-PATIENCE = 12  # steps at one m before the next one is tried from where they led
-LAST = 1e-19  # smallest m: a stress of 3e-10 where a zone is neither taut nor slack
-SHIFT = (
-    1e-4  # part of the diagonal, over the residual, added to the matrix: it holds back what is free to move
-)
-LEAST_SHIFT = 1e-13
-LARGEST_SHIFT = 1e-2  # beyond, the step is no Newton step any more
+FIRST = 1e-4  # m of the first state: stresses of a hundredth count as hardly taut
+LAST = 3e-18  # smallest m aimed at: a stress of 2e-9 where a zone is neither taut nor slack
+MOST_STEPS = 70
+INSIDE = 0.95  # part of the way to where S or B turns singular
+CORRECTIONS = 2  # second-order corrections of a step at most; each costs a fourth of a factor
+GAIN = 1.05  # a correction is kept if the step may be longer by this
 LONGEST = 0.05  # largest displacement of a node in one step, L
-MOST_STEPS = 150
-MOST_TRIALS = 12  # along a step
-ROUNDING = 1e-13  # part of the energy below which its changes are rounding
+SHIFT = 1e-13  # part of the diagonal added to the matrix: rounding
+LARGEST_SHIFT = 1e-8  # beyond, the step is no Newton step any more
 
 
 def follow(
@@ -45,100 +44,84 @@ def follow(
 ) -> Status | None:
     """Take `state` to the equilibrium of the relaxed energy in place: CONVERGED, or None where that fails.
 
-    components : 2 where the sheet stays in its plane. record : called with energy and residual after every step.
+    components : 2 where the sheet stays in its plane. record : called with energy and residual before every step.
     """
-    path = _Path(level, components)
-    m, partners = FIRST, np.zeros((2, *level.force.zone.shape[1:]))
-    tries = 0
-    pure, free = np.zeros_like(state.r), ~level.fixed
+    path = _Path(level, np.ascontiguousarray(state.r[:components]), ordering)
+    pure = np.zeros_like(state.r)
     for _ in range(MOST_STEPS):
         energy = float(level.force(state.r, pure).sum())
-        state.evaluations += 1
         size = residual(pure, level.weight)
+        state.evaluations += 1
         record(state, energy, size)
         if size < settings.tolerance:
             return Status.CONVERGED
-        r = np.ascontiguousarray(state.r[:components])
-        p, found = path.step(r, m, partners, ordering)
+        try:
+            path.advance()
+        except NotPositiveDefinite:
+            return None
         state.evaluations += path.evaluations
         path.evaluations = 0
-        if p is None or found is None:
+        if not np.isfinite(path.r).all():
             return None
-        share, rest = found
-        slack.advance(r, p, path.zone, path.poisson, m, share, partners)
-        state.r[:components][:, free] += share * p[:, free]
-        tries += 1
-        if (share > 0.4 and rest < np.sqrt(m)) or tries == PATIENCE:
-            m, tries = max(NEXT * m, LAST), 0
+        state.r[:components] = path.r
     return None
 
 
 class _Path:
-    """The central path on one mesh; evaluations : of its force so far. rest : residual where it was last evaluated."""
+    """A state near the central path.
 
-    def __init__(self, level: Level, components: int) -> None:
-        self.level, self.zone, self.evaluations = level, level.force.zone, 0
-        self.poisson = level.force.law.poisson  # type: ignore[attr-defined]  # the relaxed law has one
-        shape = (components, *level.fixed.shape)
-        self.rest = 1.0
-        self.values = np.zeros((*level.fixed.shape, 3, 3, components, components))
-        self.force = np.zeros(shape)
+    r : (components, ni, nj). S, B : stress and wrinkling strain of the zones. evaluations : passes over the zones that
+    made a force.
+    """
 
-    def step(
-        self, r: np.ndarray, m: float, partners: np.ndarray, ordering: Ordering
-    ) -> tuple[np.ndarray | None, tuple[float, float] | None]:
-        """A step (components, ni, nj), and `along` it; None where there is none that leads down.
+    def __init__(self, level: Level, r: np.ndarray, ordering: Ordering) -> None:
+        self.level, self.zone, self.ordering = level, level.force.zone, ordering
+        self.nu = level.force.law.poisson  # type: ignore[attr-defined]  # the relaxed law has one
+        self.r, self.force, self.evaluations = r, np.zeros_like(r), 0
+        self.S, self.B, self.dS, self.dB, self.c, self.q = np.zeros((6, 3, *self.zone.shape[1:]))
+        self.values = np.zeros((*level.fixed.shape, 3, 3, len(r), len(r)))
+        wrinkling.centre(r, self.zone, self.nu, FIRST, self.S, self.B)
 
-        Partners far from the central path may send it uphill; put back on the path, they give Newton's own step.
-        """
-        for _ in range(2):
-            slack.recentre(r, self.zone, self.poisson, m, partners)
-            p = self._newton(r, m, partners, ordering)
-            found = None if p is None else self.along(r, p, m)
-            if found is not None:
+    def advance(self) -> None:
+        """One predictor-corrector step (Mehrotra 1992); raises NotPositiveDefinite."""
+        factor = self._factor()
+        m = wrinkling.duality(self.S, self.B)
+        self.c[:], self.q[:] = 0.0, 0.0
+        p, most = self._solve(factor, 0.0)
+        aim = max((1.0 - min(most, 1.0)) ** 3 * m, LAST)
+        most = 0.0
+        for _ in range(CORRECTIONS):
+            wrinkling.second_order(p, self.zone, self.S, self.B, self.dS, self.dB, self.c, self.q)
+            kept = p, self.dS.copy(), self.dB.copy(), most
+            p, most = self._solve(factor, aim)
+            if most < GAIN * kept[-1]:
+                p, self.dS, self.dB, most = kept
                 break
-            partners[:] = 0.0
-        return p, found
+            if most > 1.0:
+                break
+        share = min(1.0, INSIDE * most, LONGEST / float(np.abs(p).max()))
+        self.r = self.r + share * p
+        self.S += share * self.dS
+        self.B += share * self.dB
 
-    def _newton(self, r: np.ndarray, m: float, partners: np.ndarray, ordering: Ordering) -> np.ndarray | None:
-        """The primal-dual step; None where even a large shift gives no factor."""
-        slack.newton_system(r, self.zone, self.poisson, m, partners, self.values, self.force)
-        self.evaluations += 1
-        shift = max(SHIFT * self.rest, LEAST_SHIFT)
-        while shift <= LARGEST_SHIFT:
+    def _factor(self) -> Cholesky:
+        """The factor of the step's matrix; raises NotPositiveDefinite where even a large shift gives none."""
+        wrinkling.newton_matrix(self.r, self.zone, self.nu, self.S, self.B, self.values)
+        shift = SHIFT
+        while True:
             try:
-                matrix = Tangent(self.values, self.level.force.closed, 0)
-                return Cholesky(matrix, ordering, shift).solve(self.force)
+                return Cholesky(Tangent(self.values, self.level.force.closed, 0), self.ordering, shift)
             except NotPositiveDefinite:
                 shift *= 100.0
-        return None
+                if shift > LARGEST_SHIFT:
+                    raise
 
-    def at(self, r: np.ndarray, m: float) -> tuple[float, np.ndarray]:
-        """Energy and force of the central path; no force at fixed nodes."""
-        energy = slack.central_force(r, self.zone, self.poisson, m, self.force)
+    def _solve(self, factor: Cholesky, m: float) -> tuple[np.ndarray, float]:
+        """The step towards m with the present second-order terms; how much of it leaves S and B definite."""
+        place = self.r, self.zone, self.nu, m, self.S, self.B, self.c, self.q
+        wrinkling.newton_force(*place, self.force)
         self.evaluations += 1
-        return energy, np.where(self.level.fixed, 0.0, self.force)
-
-    def along(self, r: np.ndarray, p: np.ndarray, m: float) -> tuple[float, float] | None:
-        """How far to go along p, and the residual there; None where no share leads down."""
-        energy, f = self.at(r, m)
-        slope = float(np.vdot(f, p))
-        if not slope > 0.0:
-            return None
-        low, at_low, high = 0.0, slope, np.inf
-        share = min(1.0, LONGEST / float(np.abs(p).max()))
-        for _ in range(MOST_TRIALS):
-            new_energy, f = self.at(r + share * p, m)
-            left = float(np.vdot(f, p))
-            down = new_energy <= energy + ROUNDING * abs(energy)
-            self.rest = residual(f, self.level.weight)
-            if down and (abs(left) <= 0.9 * slope or (left > 0.0 and high == np.inf)):
-                return share, self.rest
-            if down and left > 0.0:
-                low, at_low, share = share, left, 0.5 * (share + high)
-            elif left < 0.0:
-                high = share
-                share = low + (high - low) * float(np.clip(at_low / (at_low - left), 0.1, 0.7))
-            else:
-                high, share = share, 0.5 * (low + share)
-        return None
+        self.force[:, self.level.fixed] = 0.0
+        p = factor.solve(self.force)
+        r, *rest = place
+        return p, float(wrinkling.changes(r, p, *rest, self.dS, self.dB))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fdsolver import finish, meshes, slack
+from fdsolver import finish, meshes
 from fdsolver.edges import EdgeCondition
 from fdsolver.finish import FINISHED, relax_or_finish, suits
 from fdsolver.level import Level
@@ -17,9 +17,7 @@ from fdsolver.multilevel import solve
 from fdsolver.problem import Problem
 from fdsolver.relax import Settings, begin
 from fdsolver.result import Solution, Status
-from fdsolver.tangent import tangent
 from tensionfield.relaxed import TENSION_FIELD
-from tests.sample_meshes import small_meshes
 
 FINE = Settings(tolerance=1e-10, levels=1)
 THICK, THIN = (Sheet(young_MPa=3500.0, poisson=0.31, thickness_mm=h) for h in (1.0, 0.05))
@@ -93,52 +91,6 @@ def test_relaxed_annulus_in_space_comes_to_the_same_state() -> None:
     finished, relaxed = both(ring(800, THIN), TENSION_FIELD, FINE)
     assert finished.status is relaxed.status is Status.CONVERGED and finished_rows(finished)
     np.testing.assert_allclose(finished.r, relaxed.r, rtol=0.0, atol=1e-5)
-
-
-@pytest.mark.parametrize("name", small_meshes())
-@pytest.mark.parametrize("components", [2, 3])
-def test_system_of_the_central_path_is_the_derivative_of_its_force(name: str, components: int) -> None:
-    """On the path the primal-dual step is Newton's: matrix and force belong to one smooth energy."""
-    grid = small_meshes()[name]
-    problem = Problem(THIN, {}, grid, lambda n: grid)
-    level = Level(problem, TENSION_FIELD, grid, 1)
-    random = np.random.default_rng(4)
-    r = level.scaled(level.flat * [1.03, 0.98, 1.0])
-    r += 0.03 * random.uniform(-1.0, 1.0, r.shape) * np.sqrt(grid.node_area.min()) / grid.length_mm
-    r, m, zone = np.ascontiguousarray(r[:components]), 1e-3, level.force.zone
-
-    class Smooth:
-        node, closed = None, grid.closed
-
-        def __call__(self, place: np.ndarray, f: np.ndarray) -> float:
-            return slack.central_force(place, zone, THIN.poisson, m, f)
-
-    partners, values = (
-        np.zeros((2, *zone.shape[1:])),
-        np.zeros((grid.ni, grid.nj, 3, 3, components, components)),
-    )
-    f, direct = np.empty_like(r), np.empty_like(r)
-    slack.recentre(r, zone, THIN.poisson, m, partners)
-    slack.newton_system(r, zone, THIN.poisson, m, partners, values, f)
-    energy = Smooth()(r, direct)
-    np.testing.assert_allclose(f, direct, rtol=0.0, atol=1e-13 * np.abs(direct).max())
-    expected = tangent(Smooth(), r, range(components)).values
-    # the third derivatives times the square of the step over sqrt(m) and over a cell: up to 3e-6 on the narrowest cells
-    np.testing.assert_allclose(values, expected, rtol=0.0, atol=1e-5 * np.abs(expected).max())
-    field, step = random.standard_normal(r.shape), 1e-6
-    ahead, behind = (
-        slack.central_force(r + sign * step * field, zone, THIN.poisson, m, f) for sign in (1, -1)
-    )
-    assert (behind - ahead) / (2 * step) == pytest.approx(float(np.vdot(direct, field)), rel=1e-6)
-    assert energy < ahead or energy < behind or np.isclose(energy, ahead, rtol=1e-3)
-
-
-def test_central_path_ends_in_the_relaxed_law() -> None:
-    x = np.array([-0.02, -1e-9, 0.0, 1e-9, 0.05])
-    np.testing.assert_allclose([slack.central(v, 1e-22) for v in x], np.maximum(x, 0.0), rtol=0.0, atol=2e-11)
-    for v, m in ((-0.3, 1e-3), (0.2, 1e-5), (0.0, 1e-4)):
-        s = slack.central(v, m)
-        assert s > 0.0 and s * (s - v) == pytest.approx(m, rel=1e-9)
 
 
 def test_indefinite_state_goes_back_to_relaxation() -> None:
