@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from fdsolver.checkpoint import write_atomically
+from reports.code_words import pieces, plain
 from reports.content import Drawing, Report, Table, Text
 from reports.drawing import data_uri
 
@@ -22,6 +23,7 @@ def render_page(report: Report) -> str:
         "prose": lambda block: isinstance(block, Text),
     }
     environment.globals |= {"data_uri": data_uri, "numeric_columns": numeric_columns}
+    environment.filters |= {"pieces": pieces, "plain": plain}
     template = environment.from_string((folder / "templates" / "report.html").read_text(encoding="utf-8"))
     # the stylesheet is ours and holds no user text
     style = (folder / "static" / "report.css").read_text(encoding="utf-8")

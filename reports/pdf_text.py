@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+from reports.code_words import plain
+
 MEASURED_PT = 100.0  # at text sizes the font's hints would round every letter to whole pixels
 FAMILIES = ("STIXGeneral", "DejaVu Sans")  # the second for what the first lacks, such as small figures
 
@@ -27,10 +29,10 @@ def width_in(text: str, size_pt: float, bold: bool = False) -> float:
 
 
 def wrap(text: str, size_pt: float, limit_in: float, bold: bool = False) -> list[str]:
-    """Break text into lines no wider than `limit_in`; a word wider than that is broken too."""
+    """Break text, unmarked, into lines no wider than `limit_in`; a word wider than that is broken too."""
     lines: list[str] = []
     current = ""
-    for word in text.split(" "):
+    for word in plain(text).split(" "):
         for piece in _pieces(word, size_pt, limit_in, bold):
             longer = f"{current} {piece}" if current else piece
             if current and width_in(longer, size_pt, bold) > limit_in:

@@ -146,6 +146,16 @@ def test_unknown_block_text_is_escaped_in_tables_and_lists():
         assert raw.replace("<", "&lt;").replace(">", "&gt;") in page
 
 
+def test_words_between_backticks_are_code_and_nothing_else_is():
+    texts = ("run `wrinkle <x>` twice", "a ` alone", "`a` and `b`")
+    blocks = [Table(texts[0], (texts[2],), ((texts[1],),)), Text(texts[0], (texts[2],))]
+    page = render_page(Report("t", "s", [Section("a", "S", blocks)], ["f"]))
+    assert page.count("run <code>wrinkle &lt;x&gt;</code> twice") == 2
+    assert page.count("<code>a</code> and <code>b</code>") == 2
+    assert "a ` alone" in page
+    assert 'aria-label="run wrinkle &lt;x&gt; twice"' in page
+
+
 @pytest.mark.parametrize("vector", [True, False])
 def test_equal_results_give_equal_images_at_any_time(report, page, vector):
     blocks = [block for section in report.sections for block in section.blocks]

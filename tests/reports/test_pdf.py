@@ -53,6 +53,10 @@ def test_lines_are_no_wider_than_asked():
     assert "".join(lines).replace(" ", "") == text.replace(" ", "")
 
 
+def test_marks_of_code_are_left_out():
+    assert wrap("run `wrinkle list` or a ` alone", 10.0, 9.0) == ["run wrinkle list or a ` alone"]
+
+
 def test_empty_text_is_one_line():
     assert wrap("", 10.0, 3.0) == [""]
 
