@@ -65,6 +65,20 @@ def mesh_limit(nodes: Sequence[float], values: Sequence[float]) -> MeshLimit:
     return MeshLimit(last.value, last.order, band, "", last.finest)
 
 
+def believed(limit: MeshLimit, values: Sequence[float], others: Sequence[float]) -> tuple[float, float]:
+    """Lowest and highest value to believe of a quantity that random starts change too.
+
+    values : those that gave `limit`. others : of states from several starts on one mesh, or none. With a limit this is
+    its band, wider by half of the range of `others`; without one it is the range of the last three meshes and `others`,
+    which shows how far results go apart, not where they lead.
+    """
+    if limit.refused:
+        everything = [*values[-3:], *others]
+        return min(everything), max(everything)
+    half = limit.band + (0.5 * (max(others) - min(others)) if others else 0.0)
+    return limit.value - half, limit.value + half
+
+
 def _checked(nodes: Sequence[float], values: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Mesh widths and values as arrays."""
     n, v = np.asarray(nodes, dtype=float), np.asarray(values, dtype=float)

@@ -10,7 +10,7 @@ import pandas as pd
 from cases.direction import mean_crest_deg, wrinkle_direction
 from cases.envelope import mean_wavelength
 from cases.lattice import zone_centres
-from cases.mesh_sequence import mesh_limit
+from cases.mesh_sequence import believed, mesh_limit
 from cases.probe import sample_section
 from cases.schema import Line
 from cases.waves import zero_crossings
@@ -71,11 +71,11 @@ def shear_measures(solution: Solution, line: Line) -> ShearMeasures:
 
 
 def with_bands(meshes: dict[int, ShearMeasures], seeds: list[ShearMeasures]) -> pd.DataFrame:
-    """One row per measure: value on the finest mesh, limit and band of the mesh sequence, range over the seeds.
+    """One row per measure: value on the finest mesh, limit and band of the mesh sequence, range over the seeds and both.
 
     meshes : nodes -> measures, three or more. seeds : of states on one mesh from several random starts.
     Columns: measure, finest, limit, band, order, refused (why there is no limit; the band is then the range of the last
-    three meshes), lowest_seed, highest_seed.
+    three meshes), lowest_seed, highest_seed, low, high (`mesh_sequence.believed`).
     """
     nodes = sorted(meshes)
     rows = []
@@ -83,6 +83,7 @@ def with_bands(meshes: dict[int, ShearMeasures], seeds: list[ShearMeasures]) -> 
         values = [float(getattr(meshes[count], name)) for count in nodes]
         others = [float(getattr(state, name)) for state in seeds]
         limit = mesh_limit(nodes, values)
+        low, high = believed(limit, values, others)
         rows.append(
             {
                 "measure": name,
@@ -93,6 +94,8 @@ def with_bands(meshes: dict[int, ShearMeasures], seeds: list[ShearMeasures]) -> 
                 "refused": limit.refused,
                 "lowest_seed": min(others, default=float("nan")),
                 "highest_seed": max(others, default=float("nan")),
+                "low": low,
+                "high": high,
             }
         )
     return pd.DataFrame(rows)

@@ -57,8 +57,11 @@ def test_wrinkles_with_bands_from_meshes_and_seeds(verify, move, rise):
     for row in table.itertuples():
         unit = "N mm" if row.measure.endswith("_N_mm") else UNITS.get(row.measure.split("_")[-1], "")
         verify.note(f"{row.measure}: finest mesh", row.finest, unit)
-        verify.note(f"{row.measure}: limit of the meshes", row.limit, unit)
-        verify.note(f"{row.measure}: band of the meshes", row.band, row.refused or unit)
+        verify.note(f"{row.measure}: lowest to believe", row.low, unit)
+        verify.note(f"{row.measure}: highest to believe", row.high, unit)
+        of_limit = f"limit {row.limit:.6g} of order {row.order:.2g}, seeds on {SEED_NODES} nodes"
+        of_range = f"range over meshes and seeds, no limit: {row.refused}"
+        verify.note(f"{row.measure}: where the band comes from", of_range if row.refused else of_limit)
         verify.note(f"{row.measure}: seeds", f"{row.lowest_seed:.6g} to {row.highest_seed:.6g}", unit)
     finest = meshes[max(meshes)]
     estimate = estimate_of(sheet(move, rise, MESHES[0]))

@@ -72,6 +72,8 @@ def test_bands_come_from_meshes_and_seeds() -> None:
     force = table.loc["shear_N"]
     assert force["limit"] == pytest.approx(10.0, rel=1e-9) and force["order"] == pytest.approx(2.0)
     assert (force["lowest_seed"], force["highest_seed"]) == (10.1, 10.3)
+    # the finest mesh is 0.25 from the limit, Roache's factor 1.25; half of the seeds' range
+    assert (force["low"], force["high"]) == pytest.approx((10.0 - 0.4125, 10.0 + 0.4125))
     count = table.loc["zero_crossings"]
     assert "oscillate" in count["refused"]
     assert (count["finest"], count["band"], count["lowest_seed"], count["highest_seed"]) == (
@@ -80,6 +82,7 @@ def test_bands_come_from_meshes_and_seeds() -> None:
         26.0,
         30.0,
     )
+    assert (count["low"], count["high"]) == (26.0, 30.0)  # the seeds go further than the meshes
 
 
 def test_imposed_waves_leave_the_clamped_edges_alone() -> None:
