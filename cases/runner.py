@@ -227,6 +227,11 @@ def _judged(
             f"the wrinkles have {per_wrinkle:.1f} nodes each, fewer than"
             f" {FEWEST_NODES_PER_WRINKLE}: their number may be the mesh's"
         )
+        if status is Status.HOURGLASS:
+            finer = float(f"{solution.grid.nodes * (FEWEST_NODES_PER_WRINKLE / per_wrinkle) ** 2:.1g}")
+            message += (
+                f" Its wrinkles are too short for this mesh: they need at least some {finer:.0f} nodes."
+            )
         if strict and status.exit_code in (0, 3):
             status, message = Status.UNDER_RESOLVED, Status.UNDER_RESOLVED.sentence
     wrong = not_justified(effects)

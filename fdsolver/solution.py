@@ -12,6 +12,7 @@ from fdsolver.level import Level
 from fdsolver.model import Model
 from fdsolver.relax import Settings
 from fdsolver.result import Solution, Status
+from fdsolver.turns import turn_warnings
 from fdsolver.verdict import judge
 
 if TYPE_CHECKING:
@@ -64,7 +65,12 @@ def assemble(
         history=dict(zip(HISTORY, history, strict=True)),
         hourglass=hourglass,
         stability=stability,
-        warnings=(*_warnings(level, run, fields.stretch_major), *_unstable(stability, model), *folds),
+        warnings=(
+            *_warnings(level, run, fields.stretch_major),
+            *turn_warnings(problem.edges, grid, r),
+            *_unstable(stability, model),
+            *folds,
+        ),
         levels=tuple(run.done),
         threads=settings.threads,
         seed=problem.seed,

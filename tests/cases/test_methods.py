@@ -90,6 +90,13 @@ def test_auto_says_what_it_chose_and_why() -> None:
     assert choose(still, "auto")[0].name == "koiter"
 
 
+def test_a_turn_beyond_half_a_circle_is_in_the_warnings_of_the_run() -> None:
+    for turn, count in ((170.0, 0), (300.0, 1)):
+        scene = load_scene("annulus", {"edges.inner.rotate_deg": turn, "solver.max_steps": 2000})
+        warnings = run(scene, "tension-field", nodes=400).warnings
+        assert sum("stand where a turn by -60 degrees" in warning for warning in warnings) == count
+
+
 def test_the_reason_of_auto_is_in_the_warnings(faked: Fake) -> None:
     faked(lambda task: made_solution(meshes.annulus(62.5, 250.0, 400)))
     scene = load_scene("annulus", {"mesh.nodes": 2000, "sheet.thickness_mm": 0.001})
@@ -126,6 +133,18 @@ def test_coarse_wrinkles_are_warned_of_and_strictly_a_status(
     solution = run(load_scene("strip-tension"), method="tension-field", strict=strict)
     assert solution.status is expected
     assert any("5.0 nodes each, fewer than 6" in warning for warning in solution.warnings)
+
+
+def test_a_checkerboard_of_wrinkles_too_short_for_the_mesh_says_how_many_nodes_they_need(faked: Fake) -> None:
+    """A fifth more nodes along both directions: 1.44 times as many."""
+    grid = meshes.rectangle(100.0, 50.0, 2000)
+    spacing = 100.0 / (grid.ni - 1)
+    wave = made_solution(grid, lambda x, y: np.cos(2.0 * np.pi * x / (5.0 * spacing)))
+    faked(lambda task: replace(wave, status=Status.HOURGLASS, message=Status.HOURGLASS.sentence))
+    message = run(load_scene("strip-tension"), method="tension-field").message
+    assert message == Status.HOURGLASS.sentence + (
+        " Its wrinkles are too short for this mesh: they need at least some 3000 nodes."
+    )
 
 
 def test_wrinkles_of_enough_nodes_are_not_warned_of(faked: Fake) -> None:
