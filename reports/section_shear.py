@@ -13,13 +13,14 @@ from fdsolver.material import Sheet
 from reports import figures_shear as figures
 from reports.content import Block, Drawing, Section, Text
 from reports.figures_shear import Load
+from reports.figures_shear_bands import bands as draw_bands
 from reports.loads import WRINKLED, by_shear, finest, flat_partners, top_move
 from reports.plans import relief_factor
 from reports.shear_measures import Measured, measure_all, value_of
-from reports.shear_tables import energy_table, run_rows, wrinkle_size_table
+from reports.shear_tables import Groups, Quantity, energy_table, run_rows, series, wrinkle_size_table
 from reports.stored import Stored
 from reports.style import number, whole
-from reports.tables import remarks
+from reports.tables import find, remarks
 
 HEIGHT_MM, SHEET = 128.0, Sheet(3500.0, 0.31, 0.025)
 SMALL_MM = 0.1  # displacements below this are those of the caption
@@ -37,6 +38,8 @@ def build(results: Mapping[str, Stored]) -> Section:
     blocks: list[Block] = [Text(_INTRODUCTION)]
     blocks.append(_drawing("fig6", "Fig. 6", {k: s for k, s in best.items() if k[0] > SMALL_MM}, estimates))
     blocks.append(Text(_ESTIMATE))
+    large = {load: runs for load, runs in meshes.items() if load[0] > SMALL_MM}
+    blocks += [_bands(large, seeds, measured)] if large else []
     blocks.append(wrinkle_size_table(meshes, seeds, measured, estimates, SHEET.thickness_mm))
     blocks.append(energy_table(meshes, seeds, flat))
     blocks += _scan(mine, measured)
@@ -74,6 +77,37 @@ def _drawing(
         partial(figures.sheared, runs=runs, reliefs=reliefs, estimates=estimates),
         5.3 if len(moves) > 1 else 3.4,
         vector=False,
+    )
+
+
+def _bands(meshes: Groups, seeds: Groups, measured: Measured) -> Drawing:
+    """How far the measures depend on the mesh and on the random start."""
+
+    def named(name: str) -> Quantity:
+        return lambda s: value_of(measured, s, name, SHEET.thickness_mm)
+
+    quantities: Mapping[str, Quantity] = {
+        "half-wavelength": named("half_wavelength_mm"),
+        "height in the middle": named("middle_amplitude_mm"),
+        "height of the fans": named("fan_maximum_mm"),
+        "zero crossings": named("zero_crossings"),
+        "shear reaction": lambda s: find(s, ("reactions", "top", "force_N", "#0")),
+        "bending energy": lambda s: s.value("energy_N_mm", "bending"),
+    }
+    panels = []
+    for name, quantity in quantities.items():
+        group = [series(load, runs, seeds.get(load, []), quantity) for load, runs in meshes.items()]
+        panels.append((name, [s for s in group if s is not None]))
+    return Drawing(
+        "shear-bands",
+        "Meshes and random starts",
+        "Measures of the sheared sheet over their value on the finest mesh. Filled: the sequence of meshes; open: "
+        "further random starts; bars at the right: what is to be believed, the limit of the meshes with its band or, "
+        "where they approach none, the range over meshes and starts. The reaction is firm; heights, wavelength and "
+        "number of the wrinkles depend on which of many neighbouring states a run ends in.",
+        "Six panels with the measures of four loads on three meshes and from three random starts.",
+        partial(draw_bands, panels=panels),
+        4.4,
     )
 
 
@@ -141,7 +175,10 @@ def small_words(small: Mapping[Load, Stored | None]) -> Text:
                 else f"wrinkles, up to {height:.2g} mm high."
             )
         )
-    return Text("The paper's text says 0.5 mm, the caption of its figure 0.05 mm. At", tuple(words))
+    return Text(
+        "The paper's text says 0.5 mm, the caption of its figure 0.05 mm. What the smaller one does:",
+        tuple(words),
+    )
 
 
 _INTRODUCTION = (

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from cases.estimates import ShearEstimate
-from reports.bands import banded
+from cases.mesh_sequence import believed, mesh_limit
 from reports.content import Table
+from reports.figures_shear_bands import Series
 from reports.loads import energy_gained, partner_key, planned_nodes, top_move
 from reports.shear_measures import Measured, value_of
 from reports.stored import Stored
@@ -19,12 +21,22 @@ from reports.tables import find, stable
 Load = tuple[float, float]
 Groups = Mapping[Load, list[Stored]]
 Quantity = Callable[[Stored], float]
+LOAD = "shear + pre-stretch (mm)"
 
 
-def spread(runs: Sequence[Stored], quantity: Quantity) -> float:
-    """Half of the range of a quantity over converged runs; NaN with fewer than two."""
-    values = [v for s in runs if s.converged and math.isfinite(v := quantity(s))]
-    return 0.5 * (max(values) - min(values)) if len(values) > 1 else math.nan
+@dataclass(frozen=True)
+class Believed:
+    """A quantity on the finest mesh, the range to believe, and whether that is about a limit of the meshes."""
+
+    finest: float
+    low: float
+    high: float
+    has_limit: bool
+
+
+def values_of(runs: Sequence[Stored], quantity: Quantity) -> list[float]:
+    """The quantity of every converged run that has it."""
+    return [v for s in runs if s.converged and math.isfinite(v := quantity(s))]
 
 
 def same_mesh(meshes: Sequence[Stored], seeds: Sequence[Stored]) -> list[Stored]:
@@ -33,22 +45,58 @@ def same_mesh(meshes: Sequence[Stored], seeds: Sequence[Stored]) -> list[Stored]
     return [*(s for s in meshes if planned_nodes(s) in nodes), *seeds]
 
 
+def to_believe(meshes: Sequence[Stored], seeds: Sequence[Stored], quantity: Quantity) -> Believed | None:
+    """The quantity on the finest mesh with its range; None where no run has it."""
+    runs = [s for s in meshes if s.converged and math.isfinite(quantity(s))]
+    values, others = values_of(runs, quantity), values_of(same_mesh(meshes, seeds), quantity)
+    if not values:
+        return None
+    try:
+        limit = mesh_limit([planned_nodes(s) for s in runs], values)
+    except ValueError:  # fewer than three meshes, or meshes too close to each other
+        everything = [*values[-3:], *others]
+        return Believed(values[-1], min(everything), max(everything), False)
+    return Believed(values[-1], *believed(limit, values, others), not limit.refused)
+
+
+def series(
+    load: Load, meshes: Sequence[Stored], seeds: Sequence[Stored], quantity: Quantity
+) -> Series | None:
+    """The quantity under one load as it is drawn; None where no mesh has it."""
+    found = to_believe(meshes, seeds, quantity)
+    if found is None:
+        return None
+    points = [
+        np.array(
+            [(planned_nodes(s), quantity(s)) for s in runs if s.converged and math.isfinite(quantity(s))]
+        )
+        for runs in (meshes, seeds)
+    ]
+    return Series(load, points[0].reshape(-1, 2), points[1].reshape(-1, 2), found.low, found.high)
+
+
 def banded_text(
     meshes: Sequence[Stored], seeds: Sequence[Stored], quantity: Quantity, digits: int = 3
 ) -> str:
-    """Value on the finest mesh with the band of the meshes and that of the seeds; `digits` 0 for a count."""
-    value = banded(meshes, quantity)
-    if math.isnan(value.finest):
+    """Value on the finest mesh, limit with its band or else range; `digits` 0 for a count."""
+    found = to_believe(meshes, seeds, quantity)
+    if found is None:
         return "–"
-    among = spread(same_mesh(meshes, seeds), quantity)
-    if digits == 0:
-        return f"{whole(value.finest)} ± {number(value.error, 2)} ± {number(among, 2)}"
-    return f"{number(value.finest, digits)} ± {number(value.error, 2)} ± {number(among, 2)}"
+
+    def text(value: float) -> str:
+        return number(value, digits) if digits else whole(value)
+
+    if found.low == found.high:
+        return text(found.finest)
+    if found.has_limit and digits:
+        middle, half = 0.5 * (found.low + found.high), 0.5 * (found.high - found.low)
+        return f"{text(found.finest)}; {text(middle)} ± {number(half, 2)}"
+    return f"{text(found.finest)}; {text(found.low)} to {text(found.high)}"
 
 
-def load_words(load: Load) -> tuple[str, str]:
-    """Displacement and pre-stretch as cells."""
-    return f"{load[0]:g}", f"{load[1]:g}"
+def load_words(load: Load) -> str:
+    """Displacement and pre-stretch as a cell."""
+    return f"{load[0]:g} + {load[1]:g}"
 
 
 def wrinkle_size_table(
@@ -69,7 +117,7 @@ def wrinkle_size_table(
         estimate = estimates[load[0]]
         rows.append(
             (
-                *load_words(load),
+                load_words(load),
                 banded_text(runs, others, named("half_wavelength_mm")),
                 number(estimate.half_wavelength_mm, 3),
                 banded_text(runs, others, named("middle_amplitude_mm")),
@@ -80,20 +128,20 @@ def wrinkle_size_table(
             )
         )
     columns = (
-        "shear (mm)",
-        "pre-stretch (mm)",
+        LOAD,
         "half-wavelength across (mm)",
-        "estimated",
+        "estimate (mm)",
         "middle |z| (mm)",
-        "estimated",
+        "estimate (mm)",
         "fan |z| (mm)",
         "zero crossings",
         "direction (degrees)",
     )
     caption = (
-        "Wrinkles of the sheared sheet: value on the finest mesh ± its error by the mesh sequence (the range of the "
-        "meshes where they approach no limit) ± half of the range over three random starts; an en dash where that is "
-        "not known. The middle is the inner half of section A; the fans have the largest height of the whole sheet."
+        "Wrinkles of the sheared sheet: value on the finest mesh; then either limit of the mesh sequence ± its band "
+        "and half of the range over three random starts, or, where the meshes approach no limit, the least and the "
+        "greatest value of the three meshes and the three starts. The middle is the inner half of section A; the fans "
+        "have the largest height of the whole sheet."
     )
     return Table(caption, columns, tuple(rows))
 
@@ -111,11 +159,10 @@ def energy_table(meshes: Groups, seeds: Groups, flat: Mapping[tuple[object, ...]
     for load, runs in meshes.items():
         others = seeds.get(load, [])
         cells = [banded_text(runs, others, q, 4) for q in quantities.values()]
-        seconds = float(np.nansum([s.value("cpu_seconds") for s in (*runs, *others)]))
-        rows.append((*load_words(load), *cells, number(seconds, 3)))
-    columns = ("shear (mm)", "pre-stretch (mm)", *quantities, "CPU (s)")
+        rows.append((load_words(load), *cells))
+    columns = (LOAD, *quantities)
     return Table(
-        "Reactions of the upper clamp and energies of the sheared sheet, with the same two bands.",
+        "Reactions of the upper clamp and energies of the sheared sheet, with the same bands.",
         columns,
         tuple(rows),
     )
@@ -128,27 +175,27 @@ def run_rows(mine: Sequence[Stored], measured: Measured, thickness_mm: float) ->
         if run.run.part == "flat":
             continue
         move, rise, _ = top_move(run.run)
+        crossings = value_of(measured, run, "zero_crossings", thickness_mm)
+        imposed = run.run.imposed_mm
         rows.append(
             (
-                f"{move:g}",
-                f"{rise:g}",
+                load_words((move, rise)),
                 whole(run.value("nodes")),
-                str(run.run.seed),
+                f"seed {run.run.seed}" if imposed is None else f"waves of {imposed:g} mm",
                 run.status.replace("_", " "),
                 number(run.value("residual"), 2),
                 whole(run.value("steps")),
                 stable(run),
-                number(run.value("nodes_per_wrinkle"), 2),
-                whole(value_of(measured, run, "zero_crossings", thickness_mm)),
+                number(run.value("nodes_per_wrinkle"), 2) if math.isfinite(crossings) else "–",
+                whole(crossings),
                 number(run.value("energy_N_mm", "total"), 6),
                 number(run.value("cpu_seconds"), 3),
             )
         )
     columns = (
-        "shear (mm)",
-        "pre-stretch (mm)",
+        LOAD,
         "nodes",
-        "seed",
+        "start",
         "status",
         "residual (–)",
         "steps",
@@ -158,4 +205,4 @@ def run_rows(mine: Sequence[Stored], measured: Measured, thickness_mm: float) ->
         "energy (N\u00a0mm)",
         "CPU (s)",
     )
-    return Table("Runs of the sheared sheet.", columns, tuple(rows))
+    return Table("Runs of the sheared sheet; imposed waves by their half-wavelength.", columns, tuple(rows))

@@ -19,6 +19,7 @@ from reports.plan_sheets import PULLS, SCAN_HALF_WAVELENGTHS_MM, SEEDS, SHEARS_M
 from reports.section_published import healthy, mesh_key
 from reports.seed_words import seed_states, seed_words
 from reports.shear_measures import measure_all, value_of
+from reports.shear_tables import banded_text, series, to_believe
 from reports.stored import Stored
 from reports.strip_curves import crossings, curves, pull_table
 from reports.strip_words import trend
@@ -205,11 +206,45 @@ def test_flat_sheared_sheet_is_called_flat(report, results):
 
 def test_sizes_stand_beside_their_estimate(report):
     table = table_of(report, "shear", "Wrinkles of the sheared sheet")
-    row = next(r for r in table.rows if r[:2] == ("0.5", "0"))
+    row = next(r for r in table.rows if r[0] == "0.5 + 0")
     # by hand: sqrt(pi 128 0.025 / sqrt(3 (1 - 0.31^2) 0.5 / 128)) = 9.88 mm
     # and 9.88 / pi sqrt(2 0.69 0.5 / 128) = 0.231 mm
-    assert (row[3], row[5]) == ("9.88", "0.231")
-    assert re.fullmatch(r"1[56]\.\d ± .+ ± .+", row[2])
+    assert (row[2], row[4]) == ("9.88", "0.231")
+    assert re.fullmatch(r"1[56]\.\d; 1[56]\.\d (±|to) .+", row[1])
+
+
+def test_a_measure_without_a_limit_has_its_range_over_meshes_and_starts(results):
+    meshes = by_shear(part(results, "shear", "mesh"))[(3.0, 0.0)]
+    seeds = by_shear(part(results, "shear", "seeds"))[(3.0, 0.0)]
+    assert len(meshes) == 3 and len(seeds) == 2 and all(s.converged for s in (*meshes, *seeds))
+    values = dict(zip([s.run.name for s in (*meshes, *seeds)], (5.0, 7.0, 6.0, 4.0, 6.5), strict=True))
+
+    def wandering(run: Stored) -> float:
+        return values[run.run.name]
+
+    found = to_believe(meshes, seeds, wandering)
+    assert found is not None and (found.finest, found.low, found.high, found.has_limit) == (
+        6.0,
+        4.0,
+        7.0,
+        False,
+    )
+    assert banded_text(meshes, seeds, wandering) == "6.00; 4.00 to 7.00"
+    assert banded_text(meshes, seeds, wandering, 0) == "6; 4 to 7"
+    drawn = series((3.0, 0.0), meshes, seeds, wandering)
+    assert drawn is not None and (drawn.low, drawn.high) == (4.0, 7.0)
+    assert list(drawn.meshes[:, 1]) == [5.0, 7.0, 6.0] and list(drawn.starts[:, 1]) == [4.0, 6.5]
+
+    def second_order(run: Stored) -> float:
+        return 2.0 + 300.0 / run.value("nodes") + (0.1 if run.run.part == "seeds" else 0.0)
+
+    limit = to_believe(meshes, seeds, second_order)
+    assert limit is not None and limit.has_limit
+    # Roache's 1.25 times the distance of the finest mesh, and half of the starts' range
+    half = 1.25 * (limit.finest - 2.0) + 0.05
+    assert (limit.low, limit.high) == pytest.approx((2.0 - half, 2.0 + half), rel=1e-6)
+    assert re.fullmatch(r"2\.\d+; 2\.00 ± 0\.\d+", banded_text(meshes, seeds, second_order))
+    assert to_believe(meshes, seeds, lambda _: math.nan) is None and banded_text([], [], wandering) == "–"
 
 
 def test_all_runs_of_the_sheared_sheet_are_listed(report, results):
