@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+import json
+from collections import Counter, defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
@@ -12,16 +13,26 @@ from tests.benchmarks.error_cases import Case, annulus_cases, homogeneous_cases,
 
 ROUNDING = 1e-12  # relative: truths and values have 16 digits, sums of 1e4 zones lose a few
 FEWEST_RUNS = 200
+FILE = "error-coverage.json"  # beside the other results, for the report
 
 
 @dataclass
 class Coverage:
-    """What became of the estimates of one quantity; ratios : estimate over true error."""
+    """What became of the estimates of one quantity; ratios : estimate over true error; reasons : of refusals."""
 
     estimates: int = 0
     refused: int = 0
     inside: int = 0
     ratios: list[float] = field(default_factory=list)
+    reasons: Counter[str] = field(default_factory=Counter)
+
+    def add(self, other: Coverage) -> None:
+        """Count another's estimates too."""
+        self.estimates += other.estimates
+        self.refused += other.refused
+        self.inside += other.inside
+        self.ratios += other.ratios
+        self.reasons += other.reasons
 
     @property
     def judged(self) -> int:
@@ -42,6 +53,7 @@ def covered(cases: Iterable[Case]) -> tuple[int, dict[str, Coverage]]:
             one.estimates += 1
             if estimate.total is None:
                 one.refused += 1
+                one.reasons[estimate.how.removeprefix("refused: ")] += 1
                 continue
             error, rounding = abs(estimate.value - truth), ROUNDING * abs(truth)
             one.inside += error <= estimate.total + rounding
@@ -54,10 +66,7 @@ def record(verify, found: dict[str, Coverage]) -> Coverage:
     """Note every quantity; return them all together."""
     everything = Coverage()
     for name, one in sorted(found.items()):
-        everything.estimates += one.estimates
-        everything.refused += one.refused
-        everything.inside += one.inside
-        everything.ratios += one.ratios
+        everything.add(one)
         verify.note(f"{name}: estimates", one.estimates)
         verify.note(f"{name}: refused", one.refused)
         verify.note(f"{name}: true error inside", one.inside / max(one.judged, 1))
@@ -68,19 +77,15 @@ def record(verify, found: dict[str, Coverage]) -> Coverage:
 
 def test_estimated_errors_contain_the_true_ones(verify):
     """Error estimates against known truths: closed-form annuli, homogeneous strips, given shapes"""
-    runs, found = 0, {}
+    runs, found = 0, defaultdict(Coverage)
     for cases in (annulus_cases(160, seed=1), manufactured_cases(60, seed=2), homogeneous_cases()):
         more, coverage = covered(cases)
         runs += more
         for name, one in coverage.items():
-            if name in found:
-                have = found[name]
-                have.estimates += one.estimates
-                have.refused += one.refused
-                have.inside += one.inside
-                have.ratios += one.ratios
-            else:
-                found[name] = one
+            found[name].add(one)
+    stored = {"runs": runs, "quantities": {name: asdict(one) for name, one in sorted(found.items())}}
+    verify.root.mkdir(parents=True, exist_ok=True)
+    (verify.root / FILE).write_text(json.dumps(stored, indent=1), encoding="utf-8")
     everything = record(verify, found)
     verify.above("runs", runs, FEWEST_RUNS, "so that a share of 90 % is known to about 2 %")
     verify.above(
