@@ -144,7 +144,7 @@ def _orthogonalise(q, previous, at_rest, moved, probe, coupling, mass, inverse, 
             (at_rest[1, k] - moved[1, k]) / probe,
             (at_rest[2, k] - moved[2, k]) / probe,
         )
-        along += (x * q[0, k] + y * q[1, k] + z * q[2, k]) if inverse[0, k] > 0.0 else 0.0
+        along += x * q[0, k] + y * q[1, k] + z * q[2, k]  # q is zero where anything is held
         xy, xz, yz = inverse[3, k], inverse[4, k], inverse[5, k]
         image[0, k] = inverse[0, k] * x + xy * y + xz * z
         image[1, k] = xy * x + inverse[1, k] * y + yz * z
