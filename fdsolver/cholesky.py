@@ -7,10 +7,8 @@ only if the matrix is positive definite.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
-from scipy.linalg.blas import dsyrk, dtrsm, dtrsv
+from scipy.linalg.blas import dsyrk, dtrsm
 from scipy.linalg.lapack import dpotrf
 
 from fdsolver.dissection import Ordering
@@ -22,74 +20,148 @@ class NotPositiveDefinite(ArithmeticError):
     """The matrix has a zero or a negative eigenvalue, or one so small that rounding hides it."""
 
 
+class Pattern:
+    """Where the numbers of a matrix go in its factor: the same for every matrix of one mesh, so it is made once.
+
+    ordering : nested dissection of the free nodes. closed : the first mesh direction is a ring. axes : unknowns a node.
+
+    begins, own, rings : (parts + 1,) where the parts begin: in the factor's entries, column after column; in the
+    unknowns; in `ring`, the unknowns of all rings one after the other. source, target : places of the matrix' numbers
+    in `Tangent.values` and in the entries. diagonal : places of its diagonal in the entries.
+    inner : for each part, where its ring lies in the part that it joins.
+    """
+
+    def __init__(self, ordering: Ordering, closed: bool, axes: int) -> None:
+        self.ordering, self.axes = ordering, axes
+        pivots = axes * np.array([part.pivots for part in ordering.parts])
+        sizes = axes * np.array([part.nodes.size for part in ordering.parts])
+        self.begins, self.own, self.rings = (
+            np.concatenate([[0], np.cumsum(count)]) for count in (pivots * sizes, pivots, sizes - pivots)
+        )
+        nodes = np.concatenate([part.nodes[part.pivots :] for part in ordering.parts])
+        self.ring = _unknowns(ordering.rank[nodes], axes)
+        self.diagonal = np.concatenate(
+            [begin + np.arange(n) * (n + 1) for begin, n in zip(self.begins[:-1], pivots, strict=True)]
+        )
+        self.inner = [np.empty(0, dtype=np.int64)] * len(ordering.parts)
+        self._trace(closed)
+
+    def _trace(self, closed: bool) -> None:
+        """Find source, target and inner."""
+        ordering, axes = self.ordering, self.axes
+        width = 2 * ordering.reach + 1
+        shape = (*ordering.shape, width, width, axes, axes)
+        # what every number of a matrix would leave if it were its own place, counted from one
+        numbers = 1.0 + np.arange(np.prod(shape)).reshape(shape)
+        entries, local = np.zeros(self.begins[-1]), np.full(ordering.rank.size, -1)
+        for index, part in enumerate(ordering.parts):
+            a, b = self.columns(entries, index)
+            local[part.nodes] = np.arange(part.nodes.size)
+            _gather(a, b, numbers, closed, part.nodes, part.pivots, local)
+            for child in part.children:
+                joined = ordering.parts[child]
+                self.inner[child] = _unknowns(local[joined.nodes[joined.pivots :]], axes)
+            local[part.nodes] = -1
+        self.target = np.flatnonzero(entries)
+        self.source = entries[self.target].astype(np.int64) - 1
+
+    def columns(self, entries: np.ndarray, index: int) -> tuple[np.ndarray, np.ndarray]:
+        """The columns that a part eliminates: their rows in the part itself, and those in its ring."""
+        n, ring = self.own[index + 1] - self.own[index], self.rings[index + 1] - self.rings[index]
+        begin, end = self.begins[index], self.begins[index + 1]
+        middle = begin + n * n
+        square = entries[begin:middle].reshape((n, n), order="F")
+        return square, entries[middle:end].reshape((ring, n), order="F")
+
+
+def _unknowns(nodes: np.ndarray, axes: int) -> np.ndarray:
+    return (axes * nodes[:, None] + np.arange(axes)).ravel()
+
+
 class Cholesky:
     """The factor of a tangent over the free nodes of a mesh; raises NotPositiveDefinite where there is none.
 
-    matrix : see `Tangent`. ordering : of the same mesh and reach. shift : part of every diagonal entry added to it.
+    matrix : see `Tangent`. pattern : of the same mesh and reach. shift : part of every diagonal entry added to it.
     """
 
-    def __init__(self, matrix: Tangent, ordering: Ordering, shift: float = 0.0) -> None:
-        self.ordering, self.axes = ordering, matrix.values.shape[-1]
-        self.places = list(_places(ordering))
-        self.factors: list[tuple[np.ndarray, np.ndarray]] = []
+    def __init__(self, matrix: Tangent, pattern: Pattern, shift: float = 0.0) -> None:
+        self.pattern = pattern
+        self.entries = np.zeros(pattern.begins[-1])
+        self.entries[pattern.target] = matrix.values.reshape(-1)[pattern.source]
+        self.entries[pattern.diagonal] *= 1.0 + shift
         left: dict[int, np.ndarray] = {}
-        local = np.full(ordering.rank.size, -1)
-        for index, part in enumerate(ordering.parts):
-            pivots, ring = self.axes * part.pivots, self.axes * (part.nodes.size - part.pivots)
-            a, b, c = (
-                np.zeros(shape, order="F") for shape in ((pivots, pivots), (ring, pivots), (ring, ring))
-            )
-            local[part.nodes] = np.arange(part.nodes.size)
-            _gather(a, b, matrix.values, matrix.closed, part.nodes, part.pivots, local, shift)
+        for index, part in enumerate(pattern.ordering.parts):
+            a, b = pattern.columns(self.entries, index)
+            c = np.zeros((len(b), len(b)), order="F")
             for child in part.children:
-                inner = ordering.parts[child]
-                _add(a, b, c, local[inner.nodes[inner.pivots :]], self.axes, left.pop(child))
-            local[part.nodes] = -1
-            left[index] = self._eliminate(a, b, c)
-
-    def _eliminate(self, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-        """Keep the factor of a part; returns the matrix that is left on its ring, lower triangle."""
-        if a.size:
-            a, info = dpotrf(a, lower=1, clean=0, overwrite_a=1)
-            if info:
-                raise NotPositiveDefinite
-        if b.size:
-            b = dtrsm(1.0, a, b, side=1, lower=1, trans_a=1, overwrite_b=1)
-            c = dsyrk(-1.0, b, beta=1.0, c=c, lower=1, overwrite_c=1)
-        self.factors.append((a, b))
-        return c
+                _add(a, b, c, pattern.inner[child], left.pop(child))
+            left[index] = _eliminate(a, b, c)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """x of A x = right, both (axes, ni, nj) float64; zero at fixed nodes."""
-        rank, free = self.ordering.rank, self.ordering.rank >= 0
-        x = np.empty((int(free.sum()), self.axes))
-        flat = right.reshape(self.axes, -1)
+        pattern, rank = self.pattern, self.pattern.ordering.rank
+        free = rank >= 0
+        x = np.empty((int(free.sum()), pattern.axes))
+        flat = right.reshape(pattern.axes, -1)
         x[rank[free]] = flat[:, free].T
-        for (own, ring), (a, b) in zip(self.places, self.factors, strict=True):
-            if own.start < own.stop:
-                y = dtrsv(a, x[own].ravel(), lower=1, overwrite_x=1)
-                x[own] = y.reshape(-1, self.axes)
-                x[ring] -= (b @ y).reshape(-1, self.axes)
-        for (own, ring), (a, b) in zip(self.places[::-1], self.factors[::-1], strict=True):
-            if own.start < own.stop:
-                y = x[own].ravel() - x[ring].ravel() @ b
-                x[own] = dtrsv(a, y, lower=1, trans=1, overwrite_x=1).reshape(-1, self.axes)
+        place = pattern.begins, pattern.own, pattern.rings, pattern.ring
+        _substitute(self.entries, *place, x.reshape(-1))
         result = np.zeros_like(flat)
         result[:, free] = x[rank[free]].T
         return result.reshape(right.shape)
 
 
-def _places(ordering: Ordering) -> Iterator[tuple[slice, np.ndarray]]:
-    """For each part the ranks of its own nodes and of its ring."""
-    start = 0
-    for part in ordering.parts:
-        yield slice(start, start + part.pivots), ordering.rank[part.nodes[part.pivots :]]
-        start += part.pivots
+def _eliminate(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Turn the columns a, b of a part into its factor; returns the matrix left on its ring, lower triangle."""
+    if a.size:
+        _, info = dpotrf(a, lower=1, clean=0, overwrite_a=1)
+        if info:
+            raise NotPositiveDefinite
+    if b.size:
+        dtrsm(1.0, a, b, side=1, lower=1, trans_a=1, overwrite_b=1)
+        dsyrk(-1.0, b, beta=1.0, c=c, lower=1, overwrite_c=1)
+    return c
 
 
 @compiled
-def _gather(a, b, values, closed, nodes, pivots, local, shift):
-    """Write the entries of a part's own columns into its matrix, lower triangle, raising the diagonal."""
+def _substitute(entries, begins, own, rings, ring, x):
+    """Solve with the factor and then with its transpose, in place."""
+    parts = own.size - 1
+    t = np.zeros(np.max(rings[1:] - rings[:-1]) if parts else 0)
+    for part in range(parts):
+        first, pivots, count = own[part], own[part + 1] - own[part], rings[part + 1] - rings[part]
+        t[:count] = 0.0
+        for k in range(pivots):
+            y = x[first + k] / entries[begins[part] + k * pivots + k]
+            x[first + k] = y
+            column = entries[begins[part] + k * pivots : begins[part] + (k + 1) * pivots]
+            for m in range(k + 1, pivots):
+                x[first + m] -= column[m] * y
+            start = begins[part] + pivots * pivots + k * count
+            below = entries[start : start + count]
+            for m in range(count):
+                t[m] += below[m] * y
+        for m in range(count):
+            x[ring[rings[part] + m]] -= t[m]
+    for part in range(parts - 1, -1, -1):
+        first, pivots, count = own[part], own[part + 1] - own[part], rings[part + 1] - rings[part]
+        for m in range(count):
+            t[m] = x[ring[rings[part] + m]]
+        for k in range(pivots - 1, -1, -1):
+            y = x[first + k]
+            column = entries[begins[part] + k * pivots : begins[part] + (k + 1) * pivots]
+            for m in range(k + 1, pivots):
+                y -= column[m] * x[first + m]
+            start = begins[part] + pivots * pivots + k * count
+            below = entries[start : start + count]
+            for m in range(count):
+                y -= below[m] * t[m]
+            x[first + k] = y / column[k]
+
+
+@compiled
+def _gather(a, b, values, closed, nodes, pivots, local):
+    """Write the entries of a part's own columns into its matrix, lower triangle."""
     ni, nj, width, _, axes, _ = values.shape
     reach = width // 2
     for column in range(pivots):
@@ -111,18 +183,16 @@ def _gather(a, b, values, closed, nodes, pivots, local, shift):
                             b[axes * (row - pivots) + first, axes * column + second] = value
                         elif row > column or first >= second:
                             a[axes * row + first, axes * column + second] = value
-        for first in range(axes):
-            a[axes * column + first, axes * column + first] *= 1.0 + shift
 
 
 @compiled
-def _add(a, b, c, places, axes, update):
-    """Add what a child left, lower triangle, at the places of its nodes in this part."""
+def _add(a, b, c, places, update):
+    """Add what a child left, lower triangle, at the places of its unknowns in this part."""
     pivots = a.shape[0]
     for k in range(update.shape[0]):
-        to = axes * places[k // axes] + k % axes
+        to = places[k]
         for m in range(k, update.shape[0]):
-            row = axes * places[m // axes] + m % axes
+            row = places[m]
             if row < pivots:
                 a[row, to] += update[m, k]
             elif to < pivots:

@@ -31,11 +31,14 @@ class Ordering:
     """Nested dissection of the free nodes of a mesh.
 
     rank : (nodes,) int64, place of each node in the order of elimination, -1 for fixed nodes.
-    parts : every child before its parent.
+    parts : every child before its parent. shape : (ni, nj) of the mesh.
+    reach : mesh lines across which two nodes act on each other.
     """
 
     rank: np.ndarray
     parts: tuple[Part, ...]
+    shape: tuple[int, int]
+    reach: int
 
     @property
     def entries(self) -> int:
@@ -63,7 +66,7 @@ def dissect(free: np.ndarray, reach: int, closed: bool) -> Ordering:
         Part(np.concatenate([nodes, ring[np.argsort(rank[ring])]]), nodes.size, children)
         for nodes, ring, children in cutting.parts
     )
-    return Ordering(rank, tuple(parts))
+    return Ordering(rank, tuple(parts), (ni, nj), reach)
 
 
 class _Dissection:

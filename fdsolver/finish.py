@@ -18,8 +18,8 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from fdsolver.cholesky import Cholesky, NotPositiveDefinite
-from fdsolver.dissection import Ordering, dissect
+from fdsolver.cholesky import Cholesky, NotPositiveDefinite, Pattern
+from fdsolver.dissection import dissect
 from fdsolver.effects import Force
 from fdsolver.level import Level
 from fdsolver.relax import Settings, State, relax
@@ -30,7 +30,7 @@ from fdsolver.taut import follow
 
 SHIFT = 1e-8  # part of the diagonal added to the metric
 MOST_RELAXED = 200_000  # nodes of a relaxed membrane up to which finishing is tried unasked
-HARD = 1000  # steps of a relaxed membrane before an attempt: without slack zones it is at rest by then
+HARD = 300  # steps of a relaxed membrane before an attempt: without slack zones it is at rest by then
 PATIENCE = 3  # the steps before an attempt over those before the one that failed
 MEMORY = 20  # pairs of L-BFGS
 REFACTOR = 25  # iterations with one factor
@@ -94,10 +94,10 @@ class Metric:
     evaluations : of the force that it took.
     """
 
-    def __init__(self, level: Level, ordering: Ordering, r: np.ndarray, axes: tuple[int, ...]) -> None:
+    def __init__(self, level: Level, pattern: Pattern, r: np.ndarray, axes: tuple[int, ...]) -> None:
         matrix: Tangent = tangent(level.force, r, axes)
         self.evaluations = matrix.evaluations
-        self.factor = Cholesky(matrix, ordering, SHIFT)
+        self.factor = Cholesky(matrix, pattern, SHIFT)
 
     def __call__(self, f: np.ndarray) -> np.ndarray:
         """The displacement that a force f (axes, ni, nj) makes."""
@@ -123,6 +123,7 @@ def finish(
         # One thread: the same bits whatever the machine is busy with, and no waiting for cores that others use.
         with threadpool_limits(1, user_api="blas"):
             state.v[:] = 0.0
+            pattern = Pattern(ordering, level.force.closed, len(axes))
             if level.model.relaxed:
 
                 def record(state: State, energy: float, size: float) -> None:
@@ -130,9 +131,9 @@ def finish(
                     if on_step is not None:
                         on_step(state)
 
-                return follow(level, state, settings, ordering, len(axes), record)
+                return follow(level, state, settings, pattern, record)
             for _ in range(MOST_ITERATIONS // REFACTOR):
-                metric = Metric(level, ordering, state.r, axes)
+                metric = Metric(level, pattern, state.r, axes)
                 state.evaluations += metric.evaluations
                 status = _descend(level, state, settings, metric, axes, on_step)
                 if status is not None:

@@ -15,8 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fdsolver import wrinkling
-from fdsolver.cholesky import Cholesky, NotPositiveDefinite
-from fdsolver.dissection import Ordering
+from fdsolver.cholesky import Cholesky, NotPositiveDefinite, Pattern
 from fdsolver.level import Level
 from fdsolver.relax import Settings, State
 from fdsolver.residual import residual
@@ -38,15 +37,16 @@ def follow(
     level: Level,
     state: State,
     settings: Settings,
-    ordering: Ordering,
-    components: int,
+    pattern: Pattern,
     record: Callable[[State, float, float], None],
 ) -> Status | None:
     """Take `state` to the equilibrium of the relaxed energy in place: CONVERGED, or None where that fails.
 
-    components : 2 where the sheet stays in its plane. record : called with energy and residual before every step.
+    pattern : of the factors, with 2 unknowns a node where the sheet stays in its plane.
+    record : called with energy and residual before every step.
     """
-    path = _Path(level, np.ascontiguousarray(state.r[:components]), ordering)
+    components = pattern.axes
+    path = _Path(level, np.ascontiguousarray(state.r[:components]), pattern)
     pure = np.zeros_like(state.r)
     for _ in range(MOST_STEPS):
         energy = float(level.force(state.r, pure).sum())
@@ -74,8 +74,8 @@ class _Path:
     made a force.
     """
 
-    def __init__(self, level: Level, r: np.ndarray, ordering: Ordering) -> None:
-        self.level, self.zone, self.ordering = level, level.force.zone, ordering
+    def __init__(self, level: Level, r: np.ndarray, pattern: Pattern) -> None:
+        self.level, self.zone, self.pattern = level, level.force.zone, pattern
         self.nu = level.force.law.poisson  # type: ignore[attr-defined]  # the relaxed law has one
         self.r, self.force, self.evaluations = r, np.zeros_like(r), 0
         self.S, self.B, self.dS, self.dB, self.c, self.q = np.zeros((6, 3, *self.zone.shape[1:]))
@@ -110,7 +110,7 @@ class _Path:
         shift = SHIFT
         while True:
             try:
-                return Cholesky(Tangent(self.values, self.level.force.closed, 0), self.ordering, shift)
+                return Cholesky(Tangent(self.values, self.level.force.closed, 0), self.pattern, shift)
             except NotPositiveDefinite:
                 shift *= 100.0
                 if shift > LARGEST_SHIFT:

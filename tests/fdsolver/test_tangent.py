@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fdsolver import dissection
-from fdsolver.cholesky import Cholesky, NotPositiveDefinite
+from fdsolver.cholesky import Cholesky, NotPositiveDefinite, Pattern
 from fdsolver.dissection import dissect
 from fdsolver.effects import build_force
 from fdsolver.model import KOITER, MEMBRANE
@@ -73,7 +73,7 @@ def test_factor_solves_as_a_dense_solver_does(
     matrix = random_tangent(ni, nj, reach, axes, closed)
     free = np.random.default_rng(5).random((ni, nj)) < 0.9
     right = np.random.default_rng(6).standard_normal((axes, ni, nj))
-    x = Cholesky(matrix, dissect(free, reach, closed)).solve(right)
+    x = Cholesky(matrix, Pattern(dissect(free, reach, closed), closed, axes)).solve(right)
     assert not x[:, ~free].any()
     loose = np.flatnonzero(np.repeat(free.ravel(), axes))
     dense = matrix.matrix().toarray()[np.ix_(loose, loose)]
@@ -85,24 +85,25 @@ def test_factor_solves_as_a_dense_solver_does(
 @pytest.mark.parametrize("closed", [False, True])
 def test_factor_exists_only_above_the_lowest_eigenvalue(closed: bool) -> None:
     matrix = random_tangent(21, 18, 2, 2, closed)
-    ordering = dissect(np.ones((21, 18), dtype=bool), 2, closed)
+    pattern = Pattern(dissect(np.ones((21, 18), dtype=bool), 2, closed), closed, 2)
     lowest = np.linalg.eigvalsh(matrix.matrix().toarray())[0]
     for part, definite in ((0.999, True), (1.001, False)):
         moved = matrix.values.copy()
         moved[:, :, 2, 2] -= part * lowest * np.eye(2)
         if definite:
-            Cholesky(Tangent(moved, closed, 0), ordering)
+            Cholesky(Tangent(moved, closed, 0), pattern)
         else:
             with pytest.raises(NotPositiveDefinite):
-                Cholesky(Tangent(moved, closed, 0), ordering)
+                Cholesky(Tangent(moved, closed, 0), pattern)
 
 
 def test_shift_raises_every_diagonal_entry_by_its_part() -> None:
     matrix = random_tangent(12, 11, 1, 2, False)
-    ordering, right = dissect(np.ones((12, 11), dtype=bool), 1, False), np.ones((2, 12, 11))
+    pattern = Pattern(dissect(np.ones((12, 11), dtype=bool), 1, False), False, 2)
+    right = np.ones((2, 12, 11))
     dense = matrix.matrix().toarray()
     x = np.linalg.solve(dense + 0.3 * np.diag(np.diag(dense)), np.ones(2 * 12 * 11))
-    solved = Cholesky(matrix, ordering, shift=0.3).solve(right)
+    solved = Cholesky(matrix, pattern, shift=0.3).solve(right)
     np.testing.assert_allclose(np.moveaxis(solved, 0, -1).ravel(), x, rtol=1e-12, atol=0.0)
 
 
