@@ -51,5 +51,8 @@ def test_what_accuracy_costs(verify, source):
     verify.above("ways to 1 % in the energy", len(relaxed), 1, "else no mesh was fine enough")
     stored = json.loads((out / "cost.json").read_text(encoding="utf-8"))
     verify.equal(
-        "sentences in the report's file", len(stored["sentences"]), len(found.sentences), "it is read from there"
+        "sentences in the report's file",
+        len(stored["sentences"]),
+        len(found.sentences),
+        "it is read from there",
     )
