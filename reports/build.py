@@ -56,7 +56,8 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
     sections.append(section_cost.build(section_cost.read_costs(beside)))
     sections.append(section_study.build(section_study.read_studies(beside)))
     sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
-    sections.append(section_hard.build(read_hard(benchmarks.parent / "hard")))
+    peer = section_hard.read_peer(benchmarks.parent)
+    sections.append(section_hard.build(read_hard(benchmarks.parent / "hard"), peer))
     sections.append(section_campaigns.build(benchmarks.parent))
     sections += [section_other.open_questions(), section_other.omissions(results)]
     return Report(

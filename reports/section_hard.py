@@ -2,37 +2,46 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from pathlib import Path
 
-import numpy as np
-
-from cases.hard import AS_EXPECTED, REFUSED, UNNAMED, VERDICTS, WRONG
+from cases.hard import AS_EXPECTED, VERDICTS
+from reports import figures_hard
 from reports.content import Block, Drawing, Section, Table, Text
+from reports.figures_hard import NAMED, PEER_COLOURS, Case
 from reports.style import number, whole
 
-if TYPE_CHECKING:
-    from matplotlib.figure import FigureBase
-
-Case = Mapping[str, Any]
-COLOURS = {AS_EXPECTED: "#33678F", REFUSED: "#F0B94D", WRONG: "#C23B22", UNNAMED: "#000000"}
-NAMED = "a named refusal, as foretold"
-NAMED_COLOUR = "#9DBAD0"
-MAP_COLUMNS = 20
+PEER_FILE = "hard_peer.json"
+Peer = Mapping[str, Case]
 
 
-def build(rows: Sequence[Case]) -> Section:
-    """The section; `rows` as `cases.hard_table.read_hard` gives them, none if they were not run."""
-    title = "Hard cases"
+def read_peer(folder: Path) -> Peer:
+    """How another code ended on the cases, by their names; empty if it was not asked."""
+    try:
+        rows = json.loads((folder / PEER_FILE).read_text(encoding="utf-8"))["rows"]
+        return {row["name"]: row for row in rows}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def build(rows: Sequence[Case], peer: Peer | None = None) -> Section:
+    """The section; `rows` as `cases.hard_table.read_hard` gives them, none if they were not run.
+
+    peer : as of `read_peer`.
+    """
+    title, other = "Hard cases", peer or {}
     if not rows:
         text = (
             "The hard cases were not run beside this report: `wrinkle hard` or `pytest -m benchmark` does it."
         )
         return Section("hard", title, [Text(text)])
-    blocks: list[Block] = [Text(_words(rows)), _map(rows), _table(rows)]
-    return Section("hard", title, blocks)
+    blocks: list[Block] = [Text(_words(rows)), _map(rows, other), _families(rows, other)]
+    blocks += [Text(_peer_words(other)), *_peer_mistakes(rows, other)] if other else []
+    return Section("hard", title, [*blocks, _foretold(rows), _table(rows, other)])
 
 
 def _words(rows: Sequence[Case]) -> str:
@@ -49,80 +58,89 @@ def _words(rows: Sequence[Case]) -> str:
     )
 
 
-def _colour(row: Case) -> str:
-    if row["verdict"] == AS_EXPECTED and row["status"] != "converged":
-        return NAMED_COLOUR
-    return COLOURS.get(row["verdict"], "#777777")
-
-
-def _map(rows: Sequence[Case]) -> Drawing:
-    families = list(dict.fromkeys(row["family"] for row in rows))
-    lines = [(family, start) for family in families for start in range(0, _size(rows, family), MAP_COLUMNS)]
-
-    def draw(fig: FigureBase) -> None:
-        from matplotlib.patches import Rectangle
-
-        ax = fig.add_subplot()
-        for y, (family, start) in enumerate(lines):
-            mine = [row for row in rows if row["family"] == family][start : start + MAP_COLUMNS]
-            for x, row in enumerate(mine):
-                ax.add_patch(Rectangle((x + 0.06, y + 0.08), 0.88, 0.84, facecolor=_colour(row), linewidth=0))
-        ax.set(
-            xlim=(0, MAP_COLUMNS), ylim=(len(lines), 0), xticks=[], xlabel="cases, in the order of the table"
-        )
-        ax.set_yticks(np.arange(len(lines)) + 0.5, [family if start == 0 else "" for family, start in lines])
-        ax.tick_params(length=0)
-        for side in ax.spines.values():
-            side.set_visible(False)
-        present = [verdict for verdict in VERDICTS if any(row["verdict"] == verdict for row in rows)]
-        entries = [(COLOURS[verdict], verdict) for verdict in present]
-        if any(_colour(row) == NAMED_COLOUR for row in rows):
-            entries.insert(1, (NAMED_COLOUR, NAMED))
-        handles = [Rectangle((0, 0), 1, 1, facecolor=colour) for colour, _ in entries]
-        ax.legend(
-            handles,
-            [name for _, name in entries],
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.08),
-            ncols=len(entries),
-        )
-
+def _map(rows: Sequence[Case], peer: Peer) -> Drawing:
     found = Counter(row["verdict"] for row in rows)
     alt = "; ".join(f"{count} {verdict}" for verdict, count in found.items())
-    caption = "How every hard case ended, one square each, family by family. The table names them in the same order."
-    return Drawing(
-        "hard-map", "Hard cases", caption, f"Map of the hard cases: {alt}.", draw, 0.8 + 0.24 * len(lines)
+    caption = "How every hard case ended, one square each, family by family; the last table names them in this order."
+    if peer:
+        caption += " The strip below a square is how FElupe ended on the same case."
+    draw = partial(figures_hard.draw_map, rows=rows, peer=peer)
+    alt = f"Map of the hard cases: {alt}."
+    return Drawing("hard-map", "Hard cases", caption, alt, draw, figures_hard.height_in(rows, peer))
+
+
+def _families(rows: Sequence[Case], peer: Peer) -> Table:
+    """Family by outcome."""
+    cells = []
+    for family in dict.fromkeys(row["family"] for row in rows):
+        mine = [row for row in rows if row["family"] == family]
+        verdicts = Counter(row["verdict"] for row in mine)
+        named = sum(row["verdict"] == AS_EXPECTED and row["status"] != "converged" for row in mine)
+        ends = Counter(peer[row["name"]]["outcome"] for row in mine if row["name"] in peer)
+        counts = (len(mine), verdicts[AS_EXPECTED] - named, named, *(verdicts[v] for v in VERDICTS[1:]))
+        others = (ends[outcome] for outcome in PEER_COLOURS) if peer else ()
+        cells.append((family, *(str(n) for n in (*counts, *others))))
+    cells.append(("all", *(str(sum(int(line[k]) for line in cells)) for k in range(1, len(cells[0])))))
+    columns: tuple[str, ...] = ("family", "cases", "converged as expected", NAMED, *VERDICTS[1:])
+    columns += tuple(f"FElupe: {outcome}" for outcome in PEER_COLOURS) if peer else ()
+    return Table("Hard cases by family and outcome.", columns, tuple(cells))
+
+
+def _peer_words(peer: Peer) -> str:
+    ends = Counter(row["outcome"] for row in peer.values())
+    versions = {row["versions"].get("felupe", "") for row in peer.values()} - {""}
+    counted = ", ".join(f"{ends[outcome]} {outcome}" for outcome in PEER_COLOURS)
+    return (
+        f"{len(peer)} of the cases (all but those of the time step) were given to FElupe {', '.join(sorted(versions))}"
+        f", a finite-element code, from the same start on the same nodes: {counted}. Membranes have biquadratic"
+        " elements, plates are solids of one layer of triquadratic elements (Poisson ratio 0.499 for 0.5); Newton's"
+        " method goes to the full load at once and, where that fails, in ten steps; a process may take 100 s. Its"
+        " answers are judged by the cases' own requirements, widened by 1 %, and by the energies found here, within 1 %"
+        " (plates 5 %); whether a state is stable, and its bending energy, it is not asked. With load steps, imposed"
+        " imperfections and a line search of one's own making, case by case, more can be had from it."
     )
 
 
-def _size(rows: Sequence[Case], family: str) -> int:
-    return sum(row["family"] == family for row in rows)
-
-
-def _table(rows: Sequence[Case]) -> Table:
-    columns = (
-        "case",
-        "expected",
-        "because",
-        "ended",
-        "verdict",
-        "steps",
-        "CPU s",
-        "energy fell throughout",
-        "checkerboard share",
+def _peer_mistakes(rows: Sequence[Case], peer: Peer) -> list[Table]:
+    """What FElupe gave as converged and was not the answer."""
+    wrong = "silent wrong answer"
+    cells = tuple(
+        (row["title"], str(peer[row["name"]]["message"]))
+        for row in rows
+        if peer.get(row["name"], {}).get("outcome") == wrong
     )
+    columns = ("case", "what was wrong, and what was required")
+    return [
+        Table("What FElupe gave as converged and was not the answer.", columns, cells, wide=(0, 1))
+    ] * bool(cells)
+
+
+def _foretold(rows: Sequence[Case]) -> Table:
+    """What was stated beforehand, once for all cases that share it."""
+    count = Counter((row["family"], row["expected"], row["reason"]) for row in rows)
+    cells = tuple(
+        (family, str(number_of), expected.replace("_", " "), reason)
+        for (family, expected, reason), number_of in count.items()
+    )
+    columns = ("family", "cases", "expected", "because")
+    return Table("What was stated beforehand.", columns, cells, wide=(2, 3))
+
+
+def _table(rows: Sequence[Case], peer: Peer) -> Table:
+    columns: tuple[str, ...] = ("case", "ended", "verdict", "steps", "CPU s", "energy fell", "checker-board")
     cells = tuple(
         (
             row["title"],
-            row["expected"].replace("_", " "),
-            row["reason"],
             (row["status"] or row["message"]).replace("_", " "),
             row["verdict"],
             whole(row["steps"]),
             number(row["seconds"], 2),
             {True: "yes", False: "no", None: "–"}[row["monotone"]],
             number(math.nan if row["hourglass"] is None else row["hourglass"], 2),
+            *((peer.get(row["name"], {}).get("outcome", "–"),) if peer else ()),
         )
         for row in rows
     )
-    return Table("Every hard case, its expected and its actual end.", columns, cells, wide=(0, 2))
+    columns += ("FElupe",) if peer else ()
+    caption = "Every hard case; checkerboard: largest share of the mesh's own pattern in the displacement."
+    return Table(caption, columns, cells, wide=(0,))

@@ -174,6 +174,8 @@ def tried(case: HardCase, row: dict[str, Any] | None, python: str) -> dict[str, 
                 f"{item.quantity}: {item.value:.4g}, required {item.low:.4g} to {item.high:.4g}"
                 for item in broken
             )
+            if outcome == WRONG and not broken:
+                message = f"it converged, where the end was to be {' or '.join(case.expected)}"
         except PeerEnded as ended:
             outcome, message = ended.args
     last = peer.found[-1] if peer.found else {}
