@@ -2,36 +2,36 @@
 
 mesh     second order: the energy of the tension field on two coarse meshes gives the error on any mesh; wrinkles
          need `PER_WRINKLE` nodes each
-steps    of relaxation, in proportion to the nodes along the sheet and to the digits asked for
-seconds  node-steps over the rate of the kernel, measured on this machine once and kept in the user's cache
+steps    of relaxation on all nested meshes, from those of a pilot run on coarse ones (`pilot`)
+seconds  the pilot's, in proportion to the work; what steps and examinations take of it follows from the rate of the
+         kernel, measured on this machine once and kept in the user's cache
 """
 
 from __future__ import annotations
 
-import json
 import math
-import os
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from cases import effects as effects_of_scene
 from cases.boundary import grid_of, symmetry_of
 from cases.methods import METHODS, MethodError, choose
+from cases.pilot import Pilot, pilot
+from cases.rates import rate
 from cases.schema import LARGEST_NODES, SMALLEST_NODES, Scene
 from cases.survey import NODES, Survey, survey
 from fdsolver.grid import quality
-from fdsolver.meshes import annulus
 from fdsolver.model import Model
 from fdsolver.multilevel import level_nodes
 from fdsolver.symmetry import reduction
 
 PER_WRINKLE = 8.0
-STEPS = 25.0  # of a plate, per square root of the nodes, for six digits: the strip took 4 000 to 5 000 on 36 000 nodes
-DIGITS = 6.0
+BESIDE = 1.3  # CPU seconds of a run's steps over those of the kernel's: masses, looks between blocks
 BYTES_PER_COMPONENT = 8 * (
     5 + 4
 )  # positions, velocities, forces, old and safe ones; masses and their inverses
 BYTES_OF_CONSTANTS = {"none": 8 * 5, "linear": 8 * 16, "full": 8 * 17}
+BYTES_OF_HOURGLASS = 8 * 3  # of a plate in its plane
+BYTES_OF_TANGENT = 4000  # of a flat state, its factor and the vectors of its lowest eigenvalue
 BASE_MB = 250.0  # interpreter, compiled kernels and libraries
 LONGEST_CELL = 2.5  # ratio of a cell's sides beyond which checkerboards grew in published runs
 MUCH_SLACK = 0.3
@@ -39,7 +39,10 @@ MUCH_SLACK = 0.3
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run will be. nodes_for_accuracy, nodes_for_wrinkles : None where nothing asks for them."""
+    """What a run will be. nodes_for_accuracy, nodes_for_wrinkles : None where nothing asks for them.
+
+    steps : on all nested meshes together.
+    """
 
     method: str
     why: str
@@ -72,7 +75,8 @@ def plan(scene: Scene, method: str = "auto", accuracy: float | None = None) -> P
     sized = replace(scene, mesh=scene.mesh.model_copy(update={"nodes": nodes}))
     model, decided = effects_of_scene.decide(sized, chosen.model())
     tolerance = scene.solver.tolerance or chosen.tolerance
-    steps, node_steps = _steps(sized, found, model, tolerance)
+    tried = pilot(sized, model, tolerance, BESIDE / rate(model))
+    counts = _solved_nodes(sized)
     spacing = math.sqrt(_area(scene) / nodes)
     per_wrinkle = found.wrinkles.wavelength_mm / spacing
     return Plan(
@@ -84,10 +88,10 @@ def plan(scene: Scene, method: str = "auto", accuracy: float | None = None) -> P
         nodes_for_wrinkles=waves,
         wavelength_mm=found.wrinkles.wavelength_mm,
         nodes_per_wrinkle=per_wrinkle,
-        steps=steps,
-        cpu_seconds=node_steps / rate(model),
-        memory_MB=_memory(sized, model),
-        warnings=tuple(_warnings(sized, found, per_wrinkle if chosen.wrinkles else math.inf)),
+        steps=round(sum(tried.steps(counts))),
+        cpu_seconds=tried.seconds(counts),
+        memory_MB=_memory(counts[-1], model, tried.examined > 0.0),
+        warnings=tuple(_warnings(sized, found, tried, per_wrinkle if chosen.wrinkles else math.inf)),
     )
 
 
@@ -112,36 +116,27 @@ def _nodes_for_wrinkles(scene: Scene, found: Survey) -> int | None:
     return min(math.ceil(_area(scene) * (PER_WRINKLE / found.wrinkles.wavelength_mm) ** 2), LARGEST_NODES)
 
 
-def _steps(scene: Scene, found: Survey, model: Model, tolerance: float) -> tuple[int, float]:
-    """Steps on the last mesh, and node-steps on all of them."""
-    digits = math.log10(1.0 / tolerance)
-    if model.buckles and model.out_of_plane:
-        per_root = STEPS * digits / DIGITS
-    else:
-        coarse = found.solution
-        reached = math.log10(1.0 / min(max(coarse.residual, 1e-12), 0.1))
-        per_root = max(coarse.steps, 100) / math.sqrt(coarse.grid.nodes) * digits / reached
+def _solved_nodes(scene: Scene) -> list[int]:
+    """Nodes that are solved for on every nested mesh, coarsest first: of a symmetric sheet those of its part."""
     counts = level_nodes(scene.mesh.nodes, scene.solver.levels)
-    share = _solved_share(scene)
-    steps = per_root * math.sqrt(scene.mesh.nodes)
-    return round(steps), sum(share * count * per_root * math.sqrt(count) for count in counts)
-
-
-def _solved_share(scene: Scene) -> float:
-    """Nodes that are solved for over those of the whole sheet."""
     symmetry = symmetry_of(scene)
     if symmetry is None:
-        return 1.0
+        return counts
     grid = grid_of(scene)(scene.mesh.nodes)
-    return reduction(grid, symmetry).part.nodes / grid.nodes
+    share = reduction(grid, symmetry).part.nodes / grid.nodes
+    return [round(share * count) for count in counts]
 
 
-def _memory(scene: Scene, model: Model) -> float:
+def _memory(nodes: int, model: Model, examined: bool) -> float:
     per_node = model.components * BYTES_PER_COMPONENT + BYTES_OF_CONSTANTS[model.curvature]
-    return BASE_MB + scene.mesh.nodes * _solved_share(scene) * per_node / 2**20
+    if model.bending and not model.out_of_plane:
+        per_node += BYTES_OF_HOURGLASS
+    if examined:
+        per_node += BYTES_OF_TANGENT
+    return BASE_MB + nodes * per_node / 2**20
 
 
-def _warnings(scene: Scene, found: Survey, per_wrinkle: float) -> list[str]:
+def _warnings(scene: Scene, found: Survey, tried: Pilot, per_wrinkle: float) -> list[str]:
     warnings = []
     limit = found.solution.sheet.natural_width_limit
     largest = float(found.solution.zone.stretch_major.max())
@@ -160,45 +155,12 @@ def _warnings(scene: Scene, found: Survey, per_wrinkle: float) -> list[str]:
         )
     if not found.converged:
         warnings.append("the coarse tension field did not converge: what follows from it is a guess")
+    if not tried.finished:
+        nodes = tried.levels[-1][0]
+        warnings.append(
+            f"a pilot run on {nodes} nodes did not converge: steps and seconds are at least these"
+        )
     return warnings
-
-
-def rate(model: Model) -> float:
-    """Node-steps per CPU second of a model's kernel on this machine, from the user's cache or measured now."""
-    key = f"{model.law.__name__} {model.components} {model.curvature} {'moderate' if model.moderate else 'finite'}"
-    path = _cache_file()
-    known = _read(path)
-    if key not in known:
-        from fdsolver.bench import node_steps_per_second
-
-        known[key] = node_steps_per_second(model, annulus(62.5, 250.0, 10_000), 1, 0.5)
-        _write(path, known)
-    return known[key]
-
-
-def _cache_file() -> Path:
-    from fdsolver.compile_cache import folder
-
-    return Path(os.environ.get("NUMBA_CACHE_DIR") or folder()) / "rates.json"
-
-
-def _read(path: Path) -> dict[str, float]:
-    try:
-        stored = json.loads(path.read_text(encoding="utf-8"))
-        return {str(name): float(value) for name, value in stored.items() if float(value) > 0.0}
-    except (OSError, ValueError, AttributeError, TypeError):
-        return {}
-
-
-def _write(path: Path, rates: dict[str, float]) -> None:
-    """Keep the rates; a cache that cannot be written is measured again next time."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        new = path.with_suffix(f".{os.getpid()}")
-        new.write_text(json.dumps(rates), encoding="utf-8")
-        new.replace(path)
-    except OSError:
-        return
 
 
 def lines(found: Plan) -> list[str]:

@@ -16,7 +16,7 @@ TOLERANCE = (
     1e-7  # of all runs, over the strain of the load: what is compared is models, not how far iterations went
 )
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-8  # rounding, and the default of membranes
-MOST_STEPS = 40_000  # some plates pushed far beyond buckling would fold for minutes
+MOST_STEPS = 50_000  # some plates pushed far beyond buckling would fold for minutes
 THINNEST, THICKEST = 1e-6, 1e-2  # over the size
 
 

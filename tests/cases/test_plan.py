@@ -7,11 +7,12 @@ import math
 
 import pytest
 
-from cases import load_scene, run
-from cases import plan as planning
+from cases import load_scene, rates, run
 from cases.__main__ import main
 from cases.methods import MethodError
-from cases.plan import lines, plan, rate
+from cases.pilot import FINER, Pilot
+from cases.plan import lines, plan
+from cases.rates import rate
 from tensionfield.relaxed import TENSION_FIELD
 
 
@@ -48,19 +49,43 @@ def test_coarse_meshes_and_unsuitable_sheets_are_warned_of() -> None:
 
 
 def test_symmetry_and_effects_cost_less() -> None:
-    whole = plan(load_scene("hole"), "tension-field")
-    quarter = plan(load_scene("hole", {"symmetry.reduce": "quarter"}), "tension-field")
-    assert quarter.cpu_seconds == pytest.approx(0.25 * whole.cpu_seconds, rel=0.1)
+    whole = plan(load_scene("stretch", {"mesh.nodes": 20_000}), "koiter")
+    quarter = plan(load_scene("stretch", {"mesh.nodes": 20_000, "symmetry.reduce": "quarter"}), "koiter")
+    # the pilot of a quarter takes steps of its own, and ghost lines count on its coarse meshes
+    assert quarter.cpu_seconds < 0.7 * whole.cpu_seconds
     assert quarter.memory_MB < whole.memory_MB
-    plate = plan(load_scene("hole"), "koiter")
-    assert plate.memory_MB > whole.memory_MB
+    flat = {"mesh.nodes": 20_000, "edges.top.move_mm": [0.0, 76.2, 0.0]}
+    plane = plan(load_scene("stretch", flat), "koiter")
+    space = plan(load_scene("stretch", {**flat, "effects.out_of_plane": "on"}), "koiter")
+    assert plane.memory_MB < space.memory_MB
+
+
+def test_a_pilot_foretells_finer_meshes() -> None:
+    """Steps grow with the nodes along the sheet; seconds with the work, of which some is no stepping."""
+    tried = Pilot(((1000, 900, 100), (4000, 500, 0)), True, node_seconds=1e-7, examined=0.0, cpu_seconds=2.0)
+    assert tried.steps([1000, 4000]) == pytest.approx([900, 500])
+    assert tried.steps([1000, 4000, 16_000])[2] == pytest.approx(500 * 2 * FINER)
+    assert tried.seconds([1000, 4000]) == pytest.approx(2.0)
+    work = 1000 * 1000 + 4000 * 500
+    assert tried.seconds([1000, 4000, 16_000]) == pytest.approx(2.0 * (work + 16_000 * 1000 * FINER) / work)
+    still = Pilot(((1000, 0, 0), (4000, 0, 0)), True, node_seconds=1e-7, examined=3e-5, cpu_seconds=0.5)
+    assert still.seconds([1000, 4000, 15_000]) == pytest.approx(
+        2.0
+    )  # nothing but the examination, node by node
+
+
+@pytest.mark.parametrize(("name", "method"), [("annulus", "tension-field"), ("stretch", "koiter")])
+def test_steps_are_foretold_within_a_factor_of_two(name: str, method: str) -> None:
+    scene = load_scene(name, {"mesh.nodes": 12_000})
+    foretold, found = plan(scene, method), run(scene, method=method)
+    assert 0.5 < foretold.steps / found.steps < 2.0
 
 
 def test_the_rate_is_measured_once(monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(planning, "_cache_file", lambda: tmp_path / "rates.json")
+    monkeypatch.setattr(rates, "_cache_file", lambda: tmp_path / "rates.json")
     first = rate(TENSION_FIELD)
-    assert json.loads((tmp_path / "rates.json").read_text()) == {"Relaxed 3 none finite": first}
-    (tmp_path / "rates.json").write_text(json.dumps({"Relaxed 3 none finite": 123.0}))
+    assert json.loads((tmp_path / "rates.json").read_text()) == {"Relaxed membrane 3 none finite": first}
+    (tmp_path / "rates.json").write_text(json.dumps({"Relaxed membrane 3 none finite": 123.0}))
     assert rate(TENSION_FIELD) == 123.0
     (tmp_path / "rates.json").write_text("{damaged")
     assert rate(TENSION_FIELD) > 1e4  # measured again

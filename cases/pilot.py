@@ -1,0 +1,101 @@
+"""A pilot run: the planned model on two coarse meshes, whose steps foretell those on the fine ones.
+
+On a mesh that starts from the next coarser one's state the steps grow with the nodes along the sheet, that is with the
+square root of the nodes, and somewhat less where the coarse state is already good. How many they are at all depends on
+the wrinkles, on slack and on the tolerance, and is not known without a run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from cases.boundary import problem_of
+from cases.schema import Scene
+from cases.survey import loads_in_plane
+from fdsolver.finish import MOST_RELAXED
+from fdsolver.model import Model
+from fdsolver.multilevel import level_nodes, solve
+from fdsolver.relax import Settings
+from fdsolver.result import Status
+
+NODES = 5000  # of the pilot's fine mesh, a quarter on its coarse one
+MOST_STEPS = 60_000
+MOST_SECONDS = 20.0
+# Steps per square root of the nodes, over those on a mesh with a quarter of the nodes: plates 0.6 to 1.1, relaxed
+# membranes 0.7 to 1.2 on meshes from 5 000 to 80 000 nodes.
+FINER = 0.8
+
+
+# CPU seconds per node that the tangent of a flat state and its lowest eigenvalue take (4 000 to 40 000 nodes)
+EXAMINED = 3e-5
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """What a pilot run took. levels : (nodes, steps, other force evaluations) of its meshes, coarsest first.
+
+    finished : whether it converged. node_seconds, examined : CPU seconds that one step of one node and the examination
+    of one node should have taken; cpu_seconds : those of the whole run, which say how fast the machine is just now.
+    """
+
+    levels: tuple[tuple[int, int, int], ...]
+    finished: bool
+    node_seconds: float
+    examined: float
+    cpu_seconds: float
+
+    def steps(self, counts: Sequence[int]) -> list[float]:
+        """Steps to expect on nested meshes of these node counts, coarsest first."""
+        found = []
+        for k, count in enumerate(counts):
+            nodes, steps, _ = self._like(k)
+            finer = FINER ** math.log(max(count / nodes, 1.0), 4.0)
+            found.append(steps * math.sqrt(count / nodes) * finer)
+        return found
+
+    def seconds(self, counts: Sequence[int]) -> float:
+        """CPU seconds to expect: the pilot's own, in proportion to the work."""
+        others = [self._like(k)[2] for k in range(len(counts))]
+        work = self._work(counts, self.steps(counts), others)
+        nodes, steps, other = zip(*self.levels, strict=True)
+        tried = self._work(nodes, steps, other)
+        return self.cpu_seconds * (work / tried if tried > 0.0 else sum(counts) / sum(nodes))
+
+    def _like(self, k: int) -> tuple[int, int, int]:
+        """The pilot's mesh that is like mesh k of a run: cold or started from a coarser one."""
+        return self.levels[0] if k == 0 else self.levels[-1]
+
+    def _work(self, counts: Sequence[int], steps: Sequence[float], others: Sequence[float]) -> float:
+        evaluations = sum(n * (a + b) for n, a, b in zip(counts, steps, others, strict=True))
+        return self.node_seconds * evaluations + self.examined * sum(counts)
+
+
+def pilot(scene: Scene, model: Model, tolerance: float, node_seconds: float) -> Pilot:
+    """Run a scene's model on coarse meshes. node_seconds : CPU seconds of one step of one node.
+
+    The finisher is used if the run on the scene's own mesh would use it.
+    """
+    nodes = min(NODES, scene.mesh.nodes)
+    coarse = replace(scene, mesh=scene.mesh.model_copy(update={"nodes": nodes}))
+    solver = scene.solver
+    finishes = solver.finish != "off" and (not model.relaxed or scene.mesh.nodes <= MOST_RELAXED)
+    settings = Settings(
+        tolerance=tolerance,
+        damping=solver.damping,
+        mass=solver.mass,
+        levels=len(level_nodes(nodes, None)) if solver.levels is None else min(solver.levels, 2),
+        thicken=solver.thicken,
+        finish=solver.finish if finishes else "off",
+        max_steps=MOST_STEPS,
+        max_seconds=MOST_SECONDS,
+    )
+    solution = solve(problem_of(coarse, model, seed=0), model, settings)
+    levels = tuple(
+        (int(level["nodes"]), int(level["steps"]), int(level["force_evaluations"] - level["steps"]))
+        for level in solution.levels
+    )
+    examined = 0.0 if model.relaxed or not loads_in_plane(scene) else EXAMINED
+    finished = solution.status is Status.CONVERGED
+    return Pilot(levels, finished, node_seconds, examined, solution.cpu_seconds)
