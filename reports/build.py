@@ -11,10 +11,13 @@ from reports import (
     section_buckling,
     section_campaigns,
     section_cost,
+    section_estimates,
+    section_growth,
     section_hard,
     section_hole,
     section_ladder,
     section_other,
+    section_peers,
     section_published,
     section_shear,
     section_stretch,
@@ -54,6 +57,9 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
         sections.append(section_ladder.build(results))
     beside = benchmarks.parent.parent
     sections.append(section_cost.build(section_cost.read_costs(beside)))
+    sections.append(section_growth.build(section_growth.read_growth(benchmarks.parent)))
+    sections.append(section_peers.build(section_peers.read_peers(benchmarks.parent)))
+    sections.append(section_estimates.build(section_estimates.read_coverage(benchmarks.parent)))
     sections.append(section_study.build(section_study.read_studies(beside)))
     sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
     peer = section_hard.read_peer(benchmarks.parent)
