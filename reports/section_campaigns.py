@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reports.content import Block, Section, Table, Text
+from reports import figures_campaigns as figures
+from reports.content import Block, Drawing, Section, Table, Text
 from reports.style import number, whole
 
 Row = Mapping[str, Any]
@@ -20,9 +22,9 @@ def build(folder: Path) -> Section:
     """The section from what the campaigns left in the folder of the verification runs; either may be missing."""
     mutants, faults = read_rows(folder / MUTANTS), read_rows(folder / FAULTS)
     blocks: list[Block] = [Text(mutant_words(mutants))]
-    blocks += [mutant_table(mutants)] if mutants else []
+    blocks += [mutant_map(mutants), mutant_table(mutants)] if mutants else []
     blocks.append(Text(fault_words(faults)))
-    blocks += [fault_table(faults)] if faults else []
+    blocks += [fault_map(faults), fault_table(faults)] if faults else []
     return Section("campaigns", "Planted mistakes and faults", blocks)
 
 
@@ -49,6 +51,24 @@ def mutant_words(rows: Sequence[Row]) -> str:
         f"each: {caught} of {len(rows)} were caught.{missed} {number(_sum(rows, 'seconds'), 3)} s in all, with the "
         "compilation of every copy."
     )
+
+
+def mutant_map(rows: Sequence[Row]) -> Drawing:
+    """The planted changes, file by file."""
+    lines = figures.mutant_lines(rows)
+    draw = partial(figures.draw_squares, lines=lines, good="caught by a test", bad="not caught")
+    caption = "Every planted change, one square each, by the file that it was planted in."
+    alt = f"{sum(row['caught'] is True for row in rows)} of {len(rows)} planted changes were caught."
+    return Drawing("mutant-map", "Planted mistakes", caption, alt, draw, figures.height_in(lines))
+
+
+def fault_map(rows: Sequence[Row]) -> Drawing:
+    """The faults, kind by kind."""
+    lines = figures.fault_lines(rows)
+    draw = partial(figures.draw_squares, lines=lines, good="survived", bad="not survived")
+    caption = "Faults by kind, a square for each thing that they were done to; in it, how often. The table names them."
+    alt = f"{sum(row['outcome'] == SURVIVED for row in rows)} of {len(rows)} kinds of faults were survived."
+    return Drawing("fault-map", "Faults", caption, alt, draw, figures.height_in(lines))
 
 
 def mutant_table(rows: Sequence[Row]) -> Table:
@@ -80,7 +100,7 @@ def fault_words(rows: Sequence[Row]) -> str:
     if not rows:
         return (
             "Faults were not made beside this report: `python -m tests.faults.campaign` kills runs, studies and "
-            "reports, plants what is not finite and damages files."
+            "reports, plants what is not finite, damages files and gives wrong scenes."
         )
     moments: Counter[str] = Counter()
     for row in rows:

@@ -1,4 +1,4 @@
-"""Kill runs, studies and reports, plant what is not finite, damage files: python -m tests.faults.campaign.
+"""Kill, plant what is not finite, damage files, give wrong scenes: python -m tests.faults.campaign.
 
 Leaves `faults.json` beside the verification runs, one row per kind of fault: what it was done to, how often, how it
 ended. Not part of continuous integration: a hundred kills take a quarter of an hour. `--quick` is what the tests run.
@@ -16,10 +16,12 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from cases.scene import SceneError, load_scene
 from tests.faults.damaged import FOLDER_FILES, damages
 from tests.faults.jobs import RUNS, checkpoints_often, report_job, run_job, study_job
 from tests.faults.kills import Job, chain, finished
 from tests.faults.planted import ARRAYS, planting
+from tests.inputs.test_wrong_scenes import TABLE as WRONG_SCENES
 
 KILLS_IN_A_ROW = 3  # before a piece of work is let go to its end
 SURVIVED, FAILED = "survived", "failed"
@@ -68,6 +70,8 @@ def campaign(folder: Path, amounts: Amounts, only: str = "") -> Iterator[Row]:
     for name in FOLDER_FILES:
         if only in f"damaged {name}":
             yield damaged(name, amounts.damaged, folder)
+    if only in "bad input scene files":
+        yield wrong_scenes(folder / "wrong.toml")
 
 
 def killed(job: Job, kills: int, folder: Path) -> Row:
@@ -107,6 +111,28 @@ def damaged(name: str, times: int, folder: Path) -> Row:
     detail = ", ".join(f"{count} {end}" for end, count in sorted(counts.items()))
     return Row(
         "damaged file", name, counts.total(), FAILED if wrong else SURVIVED, "; ".join(wrong) or detail
+    )
+
+
+def wrong_scenes(file: Path) -> Row:
+    """Load every wrong scene file of the tests: each must be refused with its own sentences."""
+    faults = []
+    for scene in WRONG_SCENES:
+        file.write_text(scene["text"], encoding="utf-8")
+        try:
+            load_scene(file)
+            said: list[str] = []
+        except SceneError as refusal:
+            said = [str(problem).removeprefix(f"{file}: ") for problem in refusal.problems]
+        if said != scene["sentences"]:
+            faults.append(f"{scene['name']}: {said}")
+    detail = f"{len(WRONG_SCENES)} refused, each with its own sentences"
+    return Row(
+        "bad input",
+        "scene files",
+        len(WRONG_SCENES),
+        FAILED if faults else SURVIVED,
+        "; ".join(faults) or detail,
     )
 
 

@@ -33,7 +33,7 @@ def test_a_small_campaign_survives(tmp_path: Path, project: Path) -> None:
     assert {row["outcome"] for row in rows} == {campaign.SURVIVED}
     kills = [row for row in rows if row["fault"] == "killed"]
     assert sum(row["moments"] for row in kills) == campaign.QUICK.run
-    assert {row["what"] for row in rows} >= {*planted.ARRAYS, *damaged.FOLDER_FILES}
+    assert {row["what"] for row in rows} >= {*planted.ARRAYS, *damaged.FOLDER_FILES, "scene files"}
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +91,13 @@ def test_a_result_that_is_read_although_it_was_changed_is_found_out(
     shutil.copytree(whole, tmp_path / "whole")
     ends = set(damaged.damages("fields.npz", 5, tmp_path, random.Random(1)))
     assert f"{WRONG}: read as if nothing had happened" in ends and ends & {REFUSED, HARMLESS}
+
+
+def test_a_wrong_scene_that_is_taken_is_found_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert campaign.wrong_scenes(tmp_path / "wrong.toml").outcome == campaign.SURVIVED
+    monkeypatch.setattr(campaign, "load_scene", lambda _: None)
+    row = campaign.wrong_scenes(tmp_path / "wrong.toml")
+    assert row.outcome == campaign.FAILED and row.moments >= 50 and "empty file: []" in row.detail
 
 
 def test_a_value_that_is_never_noticed_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import json
 
-from reports.content import Table, Text
+import matplotlib.pyplot as plt
+from matplotlib.colors import to_hex
+
+from reports.content import Drawing, Table, Text
+from reports.figures_campaigns import BAD, GOOD
 from reports.section_campaigns import build
 
 MUTANTS = [
@@ -43,6 +47,40 @@ def test_counts_and_tables_of_both(tmp_path):
     assert "37 in all (killed: 25, not finite: 12): 2 of 3 kinds were survived" in faults
     assert "Not survived: not finite, mass." in faults
     assert [row[3] for row in made.rows] == ["survived", "survived", "FAILED"]
+
+
+def drawn(drawing):
+    """The colours of a map's squares, its labels and all other texts of its axes."""
+    figure = plt.figure()
+    drawing.draw(figure)
+    (axes,) = figure.axes
+    found = (
+        [to_hex(patch.get_facecolor()).upper() for patch in axes.patches],
+        [label.get_text() for label in axes.get_yticklabels()],
+        [text.get_text() for text in axes.texts],
+        [text.get_text() for text in axes.get_legend().get_texts()],
+    )
+    plt.close(figure)
+    return found
+
+
+def test_maps_show_every_row_in_the_colour_of_its_end(tmp_path):
+    write(tmp_path, mutants=MUTANTS, faults=FAULTS)
+    mutants, faults = (block for block in build(tmp_path).blocks if isinstance(block, Drawing))
+    assert drawn(mutants) == (
+        [GOOD, BAD],
+        ["fdsolver/membrane.py", "fdsolver/step.py"],
+        ["", ""],
+        ["caught by a test", "not caught"],
+    )
+    assert drawn(faults) == (
+        [GOOD, GOOD, BAD],
+        ["killed", "not finite"],
+        ["18", "7", "12"],
+        ["survived", "not survived"],
+    )
+    write(tmp_path, mutants=MUTANTS[:1])
+    assert drawn(next(b for b in build(tmp_path).blocks if isinstance(b, Drawing)))[3] == ["caught by a test"]
 
 
 def test_success_is_said_as_such(tmp_path):
