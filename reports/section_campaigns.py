@@ -112,6 +112,11 @@ def fault_words(rows: Sequence[Row]) -> str:
         f"Faults made to happen at random moments and places, {moments.total()} in all ({kinds}): {survived} of "
         f"{len(rows)} kinds were survived, which means resumed without loss or refused by name, and no wrong answer. "
         + (f"Not survived: {bad}." if bad else "None failed.")
+        + (
+            f" {number(_sum(rows, 'seconds'), 3)} s of CPU in all."
+            if all("seconds" in row for row in rows)
+            else ""
+        )
     )
 
 
