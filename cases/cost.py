@@ -13,7 +13,7 @@ from typing import Any
 
 from cases.cost_plan import EVERYTHING, OPTIONS_MESH, CostRun, Extent, plan, repeat
 from cases.cost_reference import Reference
-from cases.cost_table import Measured, as_row, measure, pareto, sentences
+from cases.cost_table import Measured, as_row, fronts, measure, sentences
 from cases.files import json_text
 from cases.folders import recover
 from cases.interrupt import Interruption
@@ -66,8 +66,9 @@ def cost(
     _solve([run.point for run in runs], folder, say, interruption)
     repeats = {run.point.name: _repeats(run, folder, extent.repeats) for run in runs}
     _solve([again.point for some in repeats.values() for again in some], folder, say, interruption)
-    rows, found = measure([(run, repeats[run.point.name]) for run in runs], folder)
     scene = load_scene(source, dict(changes or {}))
+    pairs = [(run, repeats[run.point.name]) for run in runs]
+    rows, found = measure(pairs, folder, scene.sheet.thickness_mm)
     result = Cost(scene.name, rows, found, sentences(rows, found), _omitted(scene, methods, extent))
     _write(result, out)
     return result
@@ -132,7 +133,13 @@ def _write(found: Cost, out: Path) -> None:
         "scene": found.scene,
         "sentences": found.sentences,
         "references": [asdict(reference) for reference in found.references],
-        "pareto": {name: [one.run.point.name for one in pareto(found.rows, name)] for name in quantities},
+        "pareto": {
+            name: {
+                model: [one.run.point.name for one in front]
+                for model, front in fronts(found.rows, name).items()
+            }
+            for name in quantities
+        },
         "omitted": found.omitted,
         "rows": [as_row(one) for one in found.rows],
         "versions": versions(),

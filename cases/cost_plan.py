@@ -12,7 +12,7 @@ from cases.schema import Scene, Solver
 from cases.study_points import Choices, Point, make_points
 
 MESHES = (1000, 2000, 4000, 8000, 16_000, 32_000, 64_000)
-ELEMENT_MESHES = (300, 600, 1200, 2400, 4800)  # vertices: an element costs a hundred times a zone
+ELEMENT_MESHES = (400, 800, 1600, 3200, 6400)  # vertices: an element costs a hundred times a zone
 NODES_PER_VERTEX = 6  # of the finest mesh over the vertices of the finest elements, at least
 OPTIONS_MESH = (
     8000  # where the other ways to iterate are compared: large enough to tell, small enough for the slow

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cases.mesh_sequence import mesh_limit
+from cases.methods import METHODS
 
 # which equations a method solves: errors are differences within one of these, the rest is a difference of models
 MODELS = {
@@ -27,6 +28,8 @@ QUANTITY = re.compile(
 )
 FINEST = 4  # meshes that a limit is taken from
 SIGNIFICANT = 1e-4  # part of the largest force (moment), below which a component is symmetry's zero
+FLAT = 1e-3  # thicknesses, below which heights are what is left of the start
+HEIGHTS = ("out_of_plane_mm.", "sections.")
 
 
 @dataclass(frozen=True)
@@ -40,8 +43,11 @@ class Reference:
     how: str
 
 
-def quantities_of(document: Mapping[str, Any]) -> dict[str, float]:
-    """The numbers of a result.json that a reference is sought for."""
+def quantities_of(document: Mapping[str, Any], thickness_mm: float) -> dict[str, float]:
+    """The numbers of a result.json that a reference is sought for.
+
+    Heights of a flat sheet are left out, and sections of methods that do not resolve wrinkles.
+    """
     from cases.study_table import flat
 
     parts = {key: value for key, value in document.items() if not isinstance(value, list | str)}
@@ -49,6 +55,11 @@ def quantities_of(document: Mapping[str, Any]) -> dict[str, float]:
         key: float(value)
         for key, value in flat(parts).items()
         if _is_number(value) and QUANTITY.fullmatch(key)
+    }
+    tall = float((document.get("out_of_plane_mm") or {}).get("max_abs") or 0.0) > FLAT * thickness_mm
+    kept = () if not tall else HEIGHTS if METHODS[str(document["method"])].wrinkles else HEIGHTS[:1]
+    found = {
+        key: value for key, value in found.items() if not key.startswith(HEIGHTS) or key.startswith(kept)
     }
     critical = document.get("buckling", {}).get("critical") or []
     if critical:

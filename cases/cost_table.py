@@ -43,13 +43,13 @@ class Measured:
 
 
 def measure(
-    runs: Sequence[tuple[CostRun, Sequence[CostRun]]], out: Path
+    runs: Sequence[tuple[CostRun, Sequence[CostRun]]], out: Path, thickness_mm: float
 ) -> tuple[list[Measured], list[Reference]]:
     """All runs with their repeats, measured against references that are found among them.
 
-    runs : pairs of a run and its repeats, results in `out`.
+    runs : pairs of a run and its repeats, results in `out`. thickness_mm : of the sheet.
     """
-    raw = [_read(run, repeats, out) for run, repeats in runs]
+    raw = [_read(run, repeats, out, thickness_mm) for run, repeats in runs]
     series: dict[str, list[tuple[int, Mapping[str, float]]]] = {}
     for one in raw:
         if one.converged and not one.run.option:
@@ -59,7 +59,7 @@ def measure(
     return [_with_errors(one, known) for one in raw], found
 
 
-def _read(run: CostRun, repeats: Sequence[CostRun], out: Path) -> Measured:
+def _read(run: CostRun, repeats: Sequence[CostRun], out: Path, thickness_mm: float) -> Measured:
     document = result_of(run.point, out)
     documents = [document, *(result_of(again.point, out) for again in repeats)]
     documents = [one for one in documents if "cpu_seconds" in one]
@@ -69,7 +69,7 @@ def _read(run: CostRun, repeats: Sequence[CostRun], out: Path) -> Measured:
         costs[name] = (statistics.median(seconds), min(seconds), max(seconds))
     keys = ("nodes", "steps", "force_evaluations", "seconds_compile", "peak_memory_MB", "residual")
     numbers = {key: document.get(key) for key in keys}
-    values = quantities_of(document) if documents else {}
+    values = quantities_of(document, thickness_mm) if documents else {}
     status, message = str(document["status"]), str(document["message"])
     return Measured(run, status, message, len(documents), costs, numbers, values, {})
 
@@ -120,12 +120,18 @@ def pareto(rows: Sequence[Measured], quantity: str, cost: str = "cpu_seconds") -
     return front
 
 
+def fronts(rows: Sequence[Measured], quantity: str) -> dict[str, list[Measured]]:
+    """The front of each model: an error is a difference within the model's own equations."""
+    models = dict.fromkeys(MODELS[one.run.point.method] for one in rows)
+    mine = {model: [one for one in rows if MODELS[one.run.point.method] == model] for model in models}
+    found = {model: pareto(some, quantity) for model, some in mine.items()}
+    return {model: front for model, front in found.items() if front}
+
+
 def cheapest(rows: Sequence[Measured], model: str, quantity: str, target: float) -> Measured | None:
     """The cheapest run of a model whose lasting error is below the target."""
     good = [
-        one
-        for one in pareto([row for row in rows if MODELS[row.run.point.method] == model], quantity)
-        if lasting_error(rows, one, quantity) <= target
+        one for one in fronts(rows, quantity).get(model, []) if lasting_error(rows, one, quantity) <= target
     ]
     return good[0] if good else None
 

@@ -11,7 +11,7 @@ import pytest
 from cases.__main__ import main
 from cases.cost_plan import CostRun, Extent, options_of, plan, repeat
 from cases.cost_reference import Reference, quantities_of, references
-from cases.cost_table import Measured, cheapest, lasting_error, pareto, sentences
+from cases.cost_table import Measured, cheapest, fronts, lasting_error, pareto, sentences
 from cases.scene import load_scene
 from cases.study_points import Point
 
@@ -40,7 +40,7 @@ def test_every_method_runs_on_every_mesh_and_other_options_on_one():
 def test_a_smaller_extent_has_fewer_elements_and_no_options():
     runs = plan("stretch", {}, ["koiter", "buckling"], Extent((1000, 8000), options=False, max_seconds=7.0))
     counts = {(run.point.method, run.point.nodes) for run in runs}
-    assert counts == {("koiter", 1000), ("koiter", 8000), *(("buckling", n) for n in (300, 600, 1200))}
+    assert counts == {("koiter", 1000), ("koiter", 8000), ("buckling", 400), ("buckling", 800)}
     assert {run.point.changes["solver.max_seconds"] for run in runs} == {7.0}
 
 
@@ -98,11 +98,27 @@ def test_quantities_are_read_from_a_result():
         "steps": 100,
         "warnings": [],
     }
-    assert quantities_of(document) == {
+    assert quantities_of({**document, "method": "buckling"}, 0.1) == {
         "energy_N_mm.total": 2.0,
         "reactions.top.force_N.y": 3.0,
         "buckling.critical.0.factor": 0.5,
     }
+
+
+def test_heights_count_where_a_sheet_has_waves_and_a_method_that_resolves_them():
+    wavy = {"midsection": {"amplitude_mm": 0.3, "rms_mm": 0.1, "wavelength_mm": 14.0}}
+    document = {"sections": wavy, "out_of_plane_mm": {"max_abs": 0.3, "rms": 0.1}}
+    names = [f"sections.midsection.{key}" for key in ("amplitude_mm", "rms_mm", "wavelength_mm")]
+    assert set(quantities_of({**document, "method": "koiter"}, 0.1)) == {"out_of_plane_mm.rms", *names}
+    assert set(quantities_of({**document, "method": "tension-field"}, 0.1)) == {"out_of_plane_mm.rms"}
+    assert quantities_of({**document, "method": "koiter"}, 301.0) == {}, (
+        "what is left of the start is no height"
+    )
+
+
+def test_every_model_has_a_front_of_its_own():
+    plate, relaxed = measured("koiter", 1000, 9.0, 0.1), measured("tension-field", 1000, 1.0, 0.01)
+    assert fronts([plate, relaxed], ENERGY) == {"Koiter plate": [plate], "relaxed membrane": [relaxed]}
 
 
 def test_the_front_has_what_nothing_beats():

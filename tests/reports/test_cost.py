@@ -10,12 +10,12 @@ from reports import section_cost
 from reports.content import Drawing, Table, Text
 from reports.drawing import make_figure
 
-ENERGY, AMPLITUDE = "energy_N_mm.total", "sections.midsection.amplitude_mm"
+ENERGY, RMS = "energy_N_mm.total", "sections.midsection.rms_mm"
 
 
 def row(method, nodes, seconds, error, option="", status="converged"):
     costs = {"cpu_seconds": seconds, "cpu_seconds_least": 0.9 * seconds, "cpu_seconds_largest": 1.2 * seconds}
-    errors = {f"error.{ENERGY}": error, f"error.{AMPLITUDE}": 3.0 * error} if status == "converged" else {}
+    errors = {f"error.{ENERGY}": error, f"error.{RMS}": 3.0 * error} if status == "converged" else {}
     return {
         "method": method,
         "option": option,
@@ -41,14 +41,15 @@ def folder(tmp_path):
         row("koiter", 16_000, 120.0, 0, status="time_limit"),
     ]
     front = [rows[0]["folder"], rows[1]["folder"]]
+    fronts = {ENERGY: front, RMS: front, "lonely": front[:1]}
     document = {
         "scene": "stretch",
         "sentences": [
-            f"10 % in {AMPLITUDE} of the Koiter plate: so.",
+            f"10 % in {RMS} of the Koiter plate: so.",
             "10 % in nothing of the Koiter plate: no.",
         ],
-        "references": [{"model": "Koiter plate", "quantity": AMPLITUDE, "how": "two methods"}],
-        "pareto": {ENERGY: front, AMPLITUDE: front, "lonely": front[:1]},
+        "references": [{"model": "Koiter plate", "quantity": RMS, "how": "two methods"}],
+        "pareto": {name: {"Koiter plate": list(some)} for name, some in fronts.items()},
         "omitted": {"exact": "there is none"},
         "rows": rows,
         "machine": {"processor": "a processor", "cores": 2},
@@ -62,8 +63,9 @@ def folder(tmp_path):
 def test_a_scene_has_its_sentences_figure_table_failures_and_omissions(folder):
     blocks = section_cost.build(section_cost.read_costs(folder)).blocks
     said, drawing, table, failed, left = blocks
-    assert isinstance(said, Text) and said.items == (f"10 % in {AMPLITUDE} of the Koiter plate: so.",)
-    assert isinstance(table, Table) and [cells[2] for cells in table.rows] == ["1\u2009000", "4\u2009000"]
+    assert isinstance(said, Text)
+    assert said.items == ("10 % in the rms height on midsection of the Koiter plate: so.",)
+    assert isinstance(table, Table) and [cells[1] for cells in table.rows] == ["1\u2009000", "4\u2009000"]
     assert isinstance(failed, Text) and failed.items == ("koiter, 16000 nodes: time limit. because",)
     assert isinstance(left, Text) and left.items == ("exact: there is none",)
     assert isinstance(drawing, Drawing) and "two methods" in drawing.caption
@@ -77,7 +79,7 @@ def test_the_figure_draws_every_run_failed_ones_too(folder):
         assert [list(one.get_xdata()) for one in crosses] == [[120.0]]
         drawn = [x for one in ax.lines if one.get_marker() in ("o", ".") for x in one.get_xdata()]
         assert sorted(drawn) == [1.0, 2.0, 4.0, 9.0]
-    assert [ax.get_title("left") for ax in figure.get_axes()] == [AMPLITUDE, ENERGY]
+    assert [ax.get_title("left") for ax in figure.get_axes()] == ["rms height on midsection", "energy"]
 
 
 def test_without_measurements_the_section_says_how_to_make_them(tmp_path):
