@@ -30,7 +30,8 @@ from fdsolver.taut import follow
 
 SHIFT = 1e-8  # part of the diagonal added to the metric
 MOST_RELAXED = 200_000  # nodes of a relaxed membrane up to which finishing is tried unasked
-HARD = 300  # steps of a relaxed membrane before an attempt: without slack zones it is at rest by then
+HARD = 500  # steps of a relaxed membrane before the first look at how fast it comes to rest
+WORTH = 5000  # steps of a relaxed membrane that take about as long as finishing it
 PATIENCE = 3  # the steps before an attempt over those before the one that failed
 MEMORY = 20  # pairs of L-BFGS
 REFACTOR = 25  # iterations with one factor
@@ -70,16 +71,28 @@ def relax_or_finish(
     if not suits(level, settings):
         return relax(*place, settings, on_block, level.project)
     while True:
-        due = (
-            state.finish_at if level.model.bending or settings.finish == "on" else max(state.finish_at, HARD)
-        )
+        asked = level.model.bending or settings.finish == "on"
+        due = state.finish_at if asked else max(state.finish_at, HARD)
         pause = replace(settings, max_steps=min(settings.max_steps, due))
         status = relax(*place, pause, on_block, level.project)
         if status is not Status.STEP_LIMIT or state.step >= settings.max_steps:
             return status
+        if not asked and steps_left(state, settings.tolerance) < WORTH:
+            state.finish_at = 2 * state.step
+            continue
         if (finished := finish(level, state, settings, on_block)) is not None:
             return finished
         state.finish_at = PATIENCE * state.step
+
+
+def steps_left(state: State, tolerance: float) -> float:
+    """Steps until the tolerance if the residual goes on falling as in the second half of the steps so far."""
+    history = np.asarray(state.history)
+    step, sizes = history[:, 0], history[:, 3]
+    first, last = (float(sizes[step <= part * step[-1]].min()) for part in (0.5, 1.0))
+    if not last < first:
+        return np.inf
+    return float(0.5 * step[-1] * np.log(last / tolerance) / np.log(first / last))
 
 
 def axes_of(level: Level, r: np.ndarray) -> tuple[int, ...]:

@@ -145,3 +145,22 @@ def test_who_is_finished() -> None:
     ):
         level = Level(Problem(THIN, {}, grid, lambda n: grid), model, grid, 1)
         assert suits(level, settings) is expected
+
+
+def test_steps_left_are_those_of_a_residual_that_goes_on_falling() -> None:
+    """1e-2 at the start, a decade every 100 steps: from 1e-5 at step 300 another 300 lead to 1e-8."""
+    state = begin(np.zeros((2, 3, 3)))
+    state.history = [(float(n), 0.0, 0.0, 10.0 ** (-2.0 - n / 100.0), 0.0) for n in range(0, 301, 10)]
+    # the last look at or before the middle is at step 150
+    assert finish.steps_left(state, 1e-8) == pytest.approx(300.0, rel=1e-9)
+    state.history = [(float(n), 0.0, 0.0, 1e-4, 0.0) for n in range(0, 301, 10)]
+    assert finish.steps_left(state, 1e-8) == np.inf
+
+
+def test_only_sheets_that_come_to_rest_slowly_are_finished_unasked() -> None:
+    settings = Settings(tolerance=1e-8)
+    annulus, hole = (
+        solve(problem, TENSION_FIELD, settings) for problem in (ring(800, THIN), holed(4000, 6.25, THIN))
+    )
+    assert annulus.status is hole.status is Status.CONVERGED
+    assert finished_rows(annulus) == 0 < finished_rows(hole)
