@@ -19,7 +19,7 @@ from fdsolver.result import Status
 from fdsolver.verdict import LEFT_OVER, MOST_HOURGLASS
 
 EDGES = ("left", "right", "bottom", "top")
-NAMED = 0.1  # zigzag of the ghost rows, in spacings, that is named as the cause of a failed run
+NAMED = 0.03  # zigzag of the ghost rows, in spacings, named as the cause of a failed run; right wrinkles leave 0.026
 GROWING = (
     0.1  # hourglass share; right wrinkles on coarse meshes have 0.06, and what the scheme does not see grows
 )

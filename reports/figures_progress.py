@@ -10,7 +10,7 @@ from reports.figures_runs import running_steps
 from reports.maps import unavailable
 from reports.plans import draw_height, inner_plans
 from reports.stored import Stored
-from reports.style import colour, number
+from reports.style import colour, power_of_ten
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +50,12 @@ def progress(fig: FigureBase, stored: Stored | None) -> None:
         draw_height(ax, r, size, f"({LETTERS[k]}) step {marks[k]:.0f}")
         ax.set_xlabel("$x$ (mm)")
         ax.text(
-            0.5, -0.27, rf"$z$: $\pm${_power(size)} mm", transform=ax.transAxes, ha="center", fontsize=7.5
+            0.5,
+            -0.27,
+            rf"$z$: $\pm${power_of_ten(size)} mm",
+            transform=ax.transAxes,
+            ha="center",
+            fontsize=7.5,
         )
     inner_plans(axes)
 
@@ -79,12 +84,3 @@ def _mark(ax: Axes, steps: np.ndarray, kinetic: np.ndarray) -> None:
             f"{LETTERS[k]}", (step, height), xytext=(4, 4), textcoords="offset points", fontsize=9, zorder=5
         )
     ax.set_ylim(low, high)
-
-
-def _power(value: float) -> str:
-    """A small number for mathematical text."""
-    text = number(value, 2)
-    if "e" in text:
-        part, power = text.split("e")
-        return rf"${part}\cdot10^{{{int(power.replace('−', '-'))}}}$"
-    return text

@@ -24,7 +24,7 @@ CAPTION = (
     "the envelope."
 )
 COLUMNS = {
-    "energy above the lowest (N\u00a0mm)": ("energy_N_mm", 2),
+    "above lowest energy (N\u00a0mm)": ("energy_N_mm", 2),
     "bending (N\u00a0mm)": ("bending_N_mm", 4),
     "rms z (mm)": ("rms_mm", 4),
     "largest |z| (mm)": ("amplitude_mm", 3),
@@ -62,13 +62,8 @@ def seed_table(seeds: Sequence[Stored], states: pd.DataFrame) -> Table:
             value = float(found.get(key, math.nan)) - (lowest if key == "energy_N_mm" else 0.0)
             cells.append(whole(value) if digits == 0 else number(value, digits))
         status = run.status.replace("_", " ")
-        ending = (
-            number(run.value("residual"), 2),
-            whole(run.value("steps")),
-            number(run.value("cpu_seconds"), 2),
-        )
-        rows.append((str(run.run.seed), status, *cells, *ending))
-    return Table(CAPTION, ("seed", "status", *COLUMNS, "residual (–)", "steps", "CPU (s)"), tuple(rows))
+        rows.append((str(run.run.seed), status, *cells, number(run.value("cpu_seconds"), 2)))
+    return Table(CAPTION, ("seed", "status", *COLUMNS, "CPU (s)"), tuple(rows))
 
 
 def seed_words(states: pd.DataFrame) -> Text:

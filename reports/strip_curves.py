@@ -106,7 +106,6 @@ def pull_table(found: PullCurves) -> Table:
                 *(_cells(cells) if last is None or not last.converged or wrinkled(last) else FLAT_CELLS),
                 number(lowest_flat(last, found.flat), 2),
                 f"{good} of {len(runs)}",
-                whole(last.value("nodes")) if last is not None else "–",
                 number(seconds_of(runs, found.flat), 2),
             )
         )
@@ -120,7 +119,6 @@ def pull_table(found: PullCurves) -> Table:
         "gained (N\u00a0mm)",
         "eigenvalue of flat (–)",
         "converged",
-        "finest mesh",
         "CPU (s)",
     )
     caption = (

@@ -97,6 +97,15 @@ def number(value: float, digits: int = 3) -> str:
     return text.replace("-", "−", 1) if text.startswith("-") else text
 
 
+def power_of_ten(value: float) -> str:
+    """A number for mathematical text, two significant digits."""
+    text = number(value, 2)
+    if "e" in text:
+        part, power = text.split("e")
+        return rf"${part}\cdot10^{{{int(power.replace('−', '-'))}}}$"
+    return text
+
+
 def whole(value: float) -> str:
     """A count with thin spaces between thousands; an en dash for NaN."""
     return "–" if math.isnan(value) else f"{round(value):,}".replace(",", "\u2009")

@@ -14,7 +14,7 @@ from fdsolver.result import Solution
 from tests.benchmarks.record import Verification
 
 UNIFORM = {"mesh.bias": 0.0}
-LONG_CELLS = {"mesh.bias": 0.0, "mesh.cell_ratio": 3.0}  # three times as long along the pull
+LONG_CELLS = {"mesh.cell_ratio": 3.0}  # three times as long along the pull
 # A start as high as the sheet is thick: between lower ones and the checkerboard stand the wrinkles.
 HIGH_START = {"start.perturbation": 1e-3}
 HEALTHY = ("filtered", "stabilised")
@@ -130,11 +130,10 @@ def test_as_printed_its_ghost_rows_grow_without_bound(verify, nodes):
 @pytest.mark.parametrize(
     ("name", "percent", "keys", "nodes"),
     [
-        ("long cells, 10 %", 10.0, LONG_CELLS, 3000),
-        ("long cells, 20 %", 20.0, LONG_CELLS, 3000),
+        ("long cells, 10 %", 10.0, LONG_CELLS, 6000),
         ("square cells, 20 %", 20.0, {**UNIFORM, **HIGH_START}, 8000),
     ],
-    ids=["long-cells-10", "long-cells-20", "square-cells-20"],
+    ids=["long-cells-10", "square-cells-20"],
 )
 def test_without_hourglass_control_it_converges_to_a_checkerboard(verify, name, percent, keys, nodes):
     """The published scheme without hourglass stiffness: states of pure checkerboard, converged and named"""
