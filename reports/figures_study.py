@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,35 +19,64 @@ H, PULL = "sheet.thickness_mm", "edges.top.move_mm"
 TWIST, LIFT = "edges.inner.rotate_deg", "edges.inner.move_mm"
 SECTION = "sections.midsection."
 BAND_FROM, BAND_TO = "paths.radius.wrinkled_from_mm", "paths.radius.wrinkled_to_mm"
-MARKERS = "osD^v"
+PULL_COLOURS = ("#440154", "#31688E", "#35B779", "#E0A800")
+METHOD_MARKERS = {"koiter": "o", "koiter-published": "x", "postbuckling": "s"}
 
 
 def thickness(figure: FigureBase, table: pd.DataFrame) -> None:
-    """Wavelength and amplitude against thickness, both scales logarithmic."""
+    """Wavelength and amplitude against thickness, both scales logarithmic: a colour per pull, a marker per method."""
     ready = table[table["status"] == "converged"].assign(pull=_component(table[PULL], 1))
-    measures = (("wavelength_mm", "wavelength (mm)"), ("amplitude_mm", "amplitude (mm)"))
-    for k, (name, label) in enumerate(measures):
-        ax = figure.add_subplot(1, 2, k + 1)
+    wrinkled = (
+        ready[ready[SECTION + "wavelength_mm"].notna()] if SECTION + "wavelength_mm" in ready else ready[:0]
+    )
+    colours = dict(zip(sorted(wrinkled["pull"].unique()), PULL_COLOURS, strict=False))
+    left, right = figure.add_subplot(1, 2, 1), figure.add_subplot(1, 2, 2)
+    measures = ((left, "wavelength_mm", "wavelength (mm)"), (right, "amplitude_mm", "amplitude (mm)"))
+    for ax, name, label in measures:
         ax.set_xscale("log")
         ax.set_yscale("log")
         ax.set_xlabel("thickness (mm)")
         ax.set_ylabel(label)
-        if SECTION + name not in ready:
-            continue
-        wrinkled = ready[ready[SECTION + "wavelength_mm"].notna()]
         for (method, pull), group in wrinkled.groupby(["method", "pull"]):
-            marker = MARKERS[sorted(wrinkled["pull"].unique()).index(pull) % len(MARKERS)]
             line = group.sort_values(H)
             ax.plot(
                 line[H],
                 line[SECTION + name],
-                marker=marker,
-                color=colour(str(method)),
+                marker=METHOD_MARKERS.get(str(method), "."),
+                color=colours.get(pull, "#777777"),
+                linestyle="-" if method == "koiter" else "none",
+                markersize=7.0 if method == "postbuckling" else 4.0,
+                markerfacecolor="none" if method == "postbuckling" else None,
                 label=f"{method}, {pull:g} mm",
             )
-        if k == 0:
-            _slope(ax, wrinkled[H], wrinkled[SECTION + name])
-            ax.legend(loc="upper left", fontsize=6.0)
+        _plain_ticks(ax, wrinkled[H])
+    _slope(left, wrinkled[H], wrinkled.get(SECTION + "wavelength_mm", wrinkled[H]))
+    _key(left, [(f"pulled {pull:g} mm", {"color": shade}) for pull, shade in colours.items()])
+    methods = [str(method) for method in wrinkled["method"].unique()]
+    looks = [
+        (method_name(m), {"marker": METHOD_MARKERS.get(m, "."), "color": "#555555", "linestyle": "none"})
+        for m in methods
+    ]
+    _key(right, looks)
+
+
+def _key(ax: Axes, entries: Sequence[tuple[str, Mapping[str, Any]]]) -> None:
+    """A legend of looks that stand for several lines."""
+    from matplotlib.lines import Line2D
+
+    handles = [Line2D([], [], label=label, **look) for label, look in entries]
+    if handles:
+        ax.legend(handles=handles, fontsize=6.5, loc="lower right")
+
+
+def _plain_ticks(ax: Axes, h: pd.Series) -> None:
+    """The thicknesses themselves as ticks, without powers of ten."""
+    from matplotlib.ticker import NullFormatter
+
+    values = sorted(h.unique())
+    ax.set_xticks(values, [f"{value:g}" for value in values])
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.yaxis.set_major_formatter("{x:g}")
 
 
 def _slope(ax: Axes, h: pd.Series, wavelength: pd.Series) -> None:

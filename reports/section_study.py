@@ -39,9 +39,9 @@ def _thickness(table: pd.DataFrame) -> Drawing:
     return Drawing(
         "study-thickness-and-pull",
         "Thickness and pull",
-        "Stretched sheet: wavelength and amplitude of the wrinkles on the horizontal centre line against thickness, one"
-        " line per pull and method, converged runs alone. The grey slope is that of the square root of the thickness"
-        " (Cerda and Mahadevan 2003).",
+        "Stretched sheet: wavelength and amplitude of the wrinkles on the horizontal centre line against thickness, a"
+        " colour per pull and a marker per method; sheets that stay flat have no point. The grey slope is that of the"
+        " square root of the thickness (Cerda and Mahadevan 2003).",
         "Wavelengths and amplitudes growing with the thickness of a stretched sheet.",
         partial(figures.thickness, table=table),
         3.0,

@@ -56,6 +56,7 @@ def test_the_thickness_figure_has_one_line_per_pull_without_unfinished_runs(fold
     for ax in (wavelength, amplitude):
         lines = [line for line in ax.lines if line.get_label().startswith("koiter")]
         assert [list(line.get_xdata()) for line in lines] == [[0.1, 0.2], [0.1, 0.2]]
+    assert len({line.get_color() for line in amplitude.lines}) == 2, "a colour per pull"
     grey = next(line for line in wavelength.lines if line.get_color() == "#BBBBBB")
     assert np.allclose(grey.get_ydata(), 20.0 * np.sqrt(grey.get_xdata()), rtol=1e-12)  # through its own law
 
