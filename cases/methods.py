@@ -16,8 +16,6 @@ from fdsolver.model import KOITER, MEMBRANE, Model
 from fdsolver.relax import Progress, Settings
 from fdsolver.result import Solution
 
-FEWEST_NODES_PER_WRINKLE = 6
-
 
 class MethodError(ValueError):
     """A method that does not exist, does not fit the scene, or is still to come; the message is one

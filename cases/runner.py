@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from cases.advice import FEWEST_NODES_PER_WRINKLE, advice
 from cases.effects import Effects, as_document, not_justified
 from cases.folders import FolderRefused, alone, recover
 from cases.memory import refuse_too_many
 from cases.methods import (
-    FEWEST_NODES_PER_WRINKLE,
     Method,
     MethodError,
     Task,
@@ -220,18 +220,13 @@ def _judged(
         warnings.insert(0, why)
     if scene.assumed:
         warnings.append(f"assumed, as the scene does not give them: {', '.join(scene.assumed)}")
-    status, message = solution.status, solution.message
-    per_wrinkle = probes.nodes_per_wrinkle
+    per_wrinkle, status = probes.nodes_per_wrinkle, solution.status
+    message = solution.message + advice(status, solution.grid.nodes, per_wrinkle)
     if per_wrinkle is not None and per_wrinkle < FEWEST_NODES_PER_WRINKLE:
         warnings.append(
             f"the wrinkles have {per_wrinkle:.1f} nodes each, fewer than"
             f" {FEWEST_NODES_PER_WRINKLE}: their number may be the mesh's"
         )
-        if status is Status.HOURGLASS:
-            finer = float(f"{solution.grid.nodes * (FEWEST_NODES_PER_WRINKLE / per_wrinkle) ** 2:.1g}")
-            message += (
-                f" Its wrinkles are too short for this mesh: they need at least some {finer:.0f} nodes."
-            )
         if strict and status.exit_code in (0, 3):
             status, message = Status.UNDER_RESOLVED, Status.UNDER_RESOLVED.sentence
     wrong = not_justified(effects)

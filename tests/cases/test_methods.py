@@ -11,6 +11,7 @@ import pytest
 
 from cases import load_scene, run
 from cases import methods as methods_module
+from cases.advice import advice
 from cases.methods import METHODS, MethodError, Task, choose, methods_of
 from fdsolver import meshes
 from fdsolver.result import Solution, Status
@@ -145,6 +146,17 @@ def test_a_checkerboard_of_wrinkles_too_short_for_the_mesh_says_how_many_nodes_t
     assert message == Status.HOURGLASS.sentence + (
         " Its wrinkles are too short for this mesh: they need at least some 3000 nodes."
     )
+
+
+@pytest.mark.parametrize(
+    ("status", "key"), [(Status.STEP_LIMIT, "solver.max_steps"), (Status.TIME_LIMIT, "solver.max_seconds")]
+)
+def test_a_run_at_a_limit_says_how_to_go_on(status: Status, key: str, faked: Fake) -> None:
+    flat = made_solution(meshes.rectangle(100.0, 50.0, 400))
+    faked(lambda task: replace(flat, status=status, message=status.sentence))
+    message = run(load_scene("strip-tension"), method="tension-field").message
+    assert message.startswith(status.sentence) and "--resume" in message and message.endswith(f"raise {key}.")
+    assert "resume" not in advice(Status.CONVERGED, 400, 3.0)
 
 
 def test_wrinkles_of_enough_nodes_are_not_warned_of(faked: Fake) -> None:
