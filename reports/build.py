@@ -11,6 +11,7 @@ from reports import (
     section_buckling,
     section_campaigns,
     section_cost,
+    section_effects,
     section_estimates,
     section_growth,
     section_hard,
@@ -61,6 +62,7 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
     sections.append(section_peers.build(section_peers.read_peers(benchmarks.parent)))
     sections.append(section_estimates.build(section_estimates.read_coverage(benchmarks.parent)))
     sections.append(section_study.build(section_study.read_studies(beside)))
+    sections.append(section_effects.build(results, benchmarks.parent))
     sections.append(section_other.verification(section_other.read_benchmarks(benchmarks)))
     peer = section_hard.read_peer(benchmarks.parent)
     sections.append(section_hard.build(read_hard(benchmarks.parent / "hard"), peer))

@@ -1,4 +1,4 @@
-"""Effects left out: the audit's verdicts and sizes against runs with the effects on; two kinematics of one strip."""
+"""The energy of wrinkles, foretold by the audit and found by the plate; two kinematics of one strip."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from cases.results import read_document
 NODES = 4000
 SCENES = ("stretch", "shear", "hole", "shear-rails", "annulus-lift", "strip-tension")
 ALL_ON = {"effects.out_of_plane": "on"}
+ORDER = (
+    "a scaling law of far wrinkles, whose ends and corners it does not know: right to the order of magnitude"
+)
 
 
 def solved(verify, name: str, method: str, folder: str, **changes: object):
@@ -35,9 +38,8 @@ def test_bending_left_out_is_judged_as_the_plate_judges_it(verify, name: str) ->
     if effects["bending"]["justified"] == JUSTIFIED:
         verify.below(f"{name}: justified", abs(found), limit=1e-3, reason="what justified means")
     else:
-        verify.above(
-            f"{name}: not justified", found, limit=1e-4, reason="a verdict without any ground is a fault"
-        )
+        verify.above(f"{name}: share found over foretold", found / foretold, 0.3, reason=ORDER)
+        verify.below(f"{name}: share found over foretold", found / foretold, 10.0, reason=ORDER)
 
 
 @pytest.mark.parametrize("percent", [2, 5, 10, 20, 30, 40])

@@ -27,13 +27,13 @@ TIGHT = {"solver.tolerance": 1e-8}  # the same for both, so that only the models
 PROBLEMS: Mapping[str, tuple[str, dict[str, Any]]] = {
     "stretch": ("stretch", {"mesh.nodes": 10_000}),
     "shear": ("shear", {"mesh.nodes": 10_000, "solver.tolerance": 1e-6}),
-    "hole": ("hole", {"mesh.nodes": 10_000}),
-    "annulus": ("annulus", {"mesh.nodes": 20_000, "solver.tolerance": 1e-6}),
+    "hole": ("hole", {"mesh.nodes": 6_000, "solver.tolerance": 1e-6}),
+    "annulus": ("annulus", {"mesh.nodes": 12_000, "solver.tolerance": 1e-6}),
     "strip-tension": ("strip-tension", {"mesh.nodes": 20_000}),
-    "stretch by 2 %": ("stretch", {"mesh.nodes": 20_000, "edges.top.move_mm": [0.0, 5.08, 0.0]}),
+    "stretch by 1.5 %": ("stretch", {"mesh.nodes": 20_000, "edges.top.move_mm": [0.0, 3.81, 0.0]}),
     "shear-rails": ("shear-rails", {"mesh.nodes": 5_000}),
     "annulus-lift": ("annulus-lift", {"mesh.nodes": 20_000}),
-    "annulus-shrink": ("annulus-shrink", {"mesh.nodes": 12_000, **RESOLVED}),
+    "annulus-shrink": ("annulus-shrink", {"mesh.nodes": 12_000, **RESOLVED, "solver.tolerance": 1e-6}),
     "annulus-twist": ("annulus-twist", {"mesh.nodes": 12_000, **RESOLVED, "solver.tolerance": 1e-6}),
 }
 RANDOM, SEED = 20, 2014
@@ -56,7 +56,7 @@ def test_auto_against_everything_on(verify: Verification) -> None:
     for name in ("strip-tension", "annulus-lift"):
         verify.equal(f"{name}: verdict", found[name].verdict, JUSTIFIED, "nothing in it wrinkles")
         verify.above(f"{name}: times less work without bending", found[name].less_work, 2.5, work)
-    for name in ("strip-tension", "stretch by 2 %"):
+    for name in ("strip-tension", "stretch by 1.5 %"):
         verify.equal(f"{name}: verdict", found[name].verdict, JUSTIFIED, "its flat state is stable")
         verify.above(f"{name}: times less work in the plane", found[name].less_work, 1.4, work)
 
