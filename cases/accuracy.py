@@ -27,6 +27,10 @@ MOST_NODES = 1_000_000
 LEAST_GROWTH, LARGEST_GROWTH = 2.0, 16.0  # of the node count from one trial to the next
 MARGIN = 0.8  # aim below the target: the next estimate has an error of its own
 SMALLEST, LARGEST = 1e-6, 0.5
+THICKENED = (
+    "leaves --accuracy nothing to go by: the coarser meshes carry a thicker sheet, so their results tell no error;"
+    " give --nodes, or --set solver.thicken=false"
+)
 # what --accuracy promises; energies of bending, wavelengths and the smallest stretches are too soft for a promise
 PROMISED = re.compile(
     r"energy_N_mm\.total|reactions\..*|stretch\.major_max|out_of_plane_mm\.rms|sections\..*\.(rms|amplitude)_mm"
@@ -76,10 +80,14 @@ def run_to_accuracy(
 
     out : holds the last mesh's result. The rest as of `cases.run`.
 
+    Raises SceneError where the nested meshes of a run cannot be compared (solver.thicken), before anything is solved.
+
     Returns the last solution, with a warning if its error is above `accuracy` or not known: at the largest mesh, or
     when a run does not converge or the time limit of the scene is used up.
     """
     chosen = choose(scene, method)[0]
+    if scene.solver.thicken and chosen.bending:
+        raise SceneError([Problem(scene.name, "solver.thicken", "true", THICKENED)])
     if scene.solver.levels is None:
         scene = replace(scene, solver=scene.solver.model_copy(update={"levels": LEVELS}))
     nodes, started = _first(scene, chosen.name, seed, tolerance, out)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cases import load_scene, run
+from cases.__main__ import main
 from cases.accuracy import FIRST_NODES, Reached, judge, next_nodes, read_accuracy, run_to_accuracy
 from cases.problems import SceneError
 from cases.results import read_document
@@ -88,3 +89,11 @@ def test_an_accuracy_that_is_not_reached_is_said(tmp_path):
     solution = run_to_accuracy(scene, "tension-field", 0.01)
     assert solution.grid.nodes < FIRST_NODES and solution.status.value == "step_limit"
     assert any(warning.startswith("The accuracy of 1 % was not shown") for warning in solution.warnings)
+
+
+def test_meshes_of_other_thicknesses_are_refused_before_anything_is_solved(tmp_path, capsys):
+    words = ["run", "hole", "--method", "koiter", "--accuracy", "5%", "--out", str(tmp_path / "hole")]
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert "solver.thicken = true: leaves --accuracy nothing to go by" in said
+    assert not (tmp_path / "hole").exists()
