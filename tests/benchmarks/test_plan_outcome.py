@@ -19,11 +19,11 @@ from tests.benchmarks.record import Verification
 
 SCENES = {
     "stretch": ("koiter", {"mesh.nodes": 20_000}),
-    "shear": ("koiter", {"mesh.nodes": 12_000}),
-    "hole": ("koiter", {"mesh.nodes": 16_000}),
+    "shear": ("koiter", {"mesh.nodes": 8_000}),
+    "hole": ("koiter", {"mesh.nodes": 8_000}),
     "hole, tension field": ("tension-field", {"mesh.nodes": 10_000}),
     "annulus": ("tension-field", {"mesh.nodes": 20_000}),
-    "annulus, plate": ("koiter", {"mesh.nodes": 20_000}),
+    "annulus, plate": ("koiter", {"mesh.nodes": 12_000}),
 }
 UNTUNED, SEED = 6, 99  # scenes that no constant of the plan was fitted to
 WITHIN = 2.0
@@ -82,7 +82,7 @@ def test_a_plan_is_right_within_a_factor_of_two(verify: Verification) -> None:
     cases = [
         (name, load_scene(name.split(",")[0], changes), method) for name, (method, changes) in SCENES.items()
     ]
-    fine = {"mesh.nodes": 10_000, "solver.max_steps": 100_000}
+    fine = {"mesh.nodes": 8_000, "solver.tolerance": 1e-7, "solver.max_steps": 20_000}
     cases += [(each.what, each.scene(**fine), "auto") for each in drawn]
     rows: list[dict[str, Any]] = []
     for k, (what, scene, method) in enumerate(cases):
