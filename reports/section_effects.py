@@ -71,8 +71,8 @@ def _verdicts(table: Sequence[Row], random: Sequence[Row]) -> list[Block]:
             " the audit's verdict: no blue dot may lie right of the dashed line. Differences below 1e-9 are drawn"
             " there; long names are numbered as in their table. Energies and their parts are taken relative to the"
             " total energy, forces and moments to the largest, stretches to the largest strain, heights to the"
-            " thickness if that is more; of wrinkled sheets beyond the range of full runs from two seeds, and heights by"
-            " their root mean square, the largest being the phase's.",
+            " thickness if that is more; of wrinkled sheets beyond the range of full runs from two seeds, and heights"
+            " by their root mean square, the largest being the phase's.",
             "Dots of justified runs left of a line at 0.1 per cent, those of unjustified ones on both sides.",
             partial(figures.verdicts, table=table, random=random),
             0.8 + 0.19 * max(len(table), len(random)),
