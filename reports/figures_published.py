@@ -51,4 +51,5 @@ def _close_up(ax: Axes, r: np.ndarray, size: float) -> None:
         for k, count in zip((int(i), int(j)), r.shape[:2], strict=True)
     )
     draw_height(ax, r[rows, columns], size, "", smooth=False)
-    ax.set_xlabel(rf"$x$ (mm); $z$: $\pm${power_of_ten(size)} mm", fontsize=7.5)
+    ax.locator_params(axis="x", nbins=2)
+    ax.set_xlabel("$x$ (mm)\n" + rf"$z$: $\pm${power_of_ten(size)} mm", fontsize=7.5)
