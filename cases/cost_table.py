@@ -14,7 +14,8 @@ from cases.cost_reference import MODELS, Reference, quantities_of, references
 from cases.methods import METHODS
 from cases.study_table import result_of
 
-TARGETS = (0.1, 0.01, 0.001)
+TARGETS = (0.1, 0.01, 0.001, 1e-4)
+WORTH = 0.9  # of the error before: a smaller gain is no reason to pay more
 COSTS = ("cpu_seconds", "seconds")
 UNITS = ("_mm", "_N", "_N_mm")
 
@@ -106,7 +107,7 @@ def lasting_error(rows: Sequence[Measured], one: Measured, quantity: str) -> flo
 
 
 def pareto(rows: Sequence[Measured], quantity: str, cost: str = "cpu_seconds") -> list[Measured]:
-    """The converged runs that no other one beats in both cost and lasting error, cheapest first."""
+    """The converged runs that no cheaper one equals in lasting error, up to a tenth, cheapest first."""
     ready = [
         one for one in rows if one.converged and quantity in one.errors and one.run.point.method != "exact"
     ]
@@ -114,7 +115,7 @@ def pareto(rows: Sequence[Measured], quantity: str, cost: str = "cpu_seconds") -
     front: list[Measured] = []
     best = math.inf
     for _, error, k in sorted(lasting):
-        if error < best:
+        if error < WORTH * best:
             front.append(ready[k])
             best = error
     return front
@@ -137,15 +138,20 @@ def cheapest(rows: Sequence[Measured], model: str, quantity: str, target: float)
 
 
 def sentences(rows: Sequence[Measured], found: Sequence[Reference]) -> list[str]:
-    """What a user wants to know: for each quantity and target, the cheapest way."""
+    """What a user wants to know: for each quantity and target, the cheapest way.
+
+    A run that is the cheapest way to several targets is named with the smallest.
+    """
     said = []
     for reference in found:
+        ways: dict[str, tuple[Measured, float]] = {}
         for target in TARGETS:
             if reference.uncertainty > 0.5 * target * abs(reference.value):
                 break  # the reference itself is not known that well
             best = cheapest(rows, reference.model, reference.quantity, target)
             if best is not None:
-                said.append(_sentence(best, reference, target))
+                ways[best.run.point.name] = best, target
+        said += [_sentence(best, reference, target) for best, target in ways.values()]
     return said
 
 

@@ -31,7 +31,7 @@ def work_precision(
         ax.set_title(title, pad=12)
         if k == 0:
             ax.set_ylabel("relative error (–)")
-            ax.legend(loc="lower left")
+            ax.legend(loc="best")
 
 
 def _panel(
