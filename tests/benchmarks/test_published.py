@@ -37,7 +37,6 @@ def solved(
     folder = verify.folder(name)
     solution = run(load_scene(scene, {**keys, "mesh.nodes": nodes}), method=method, out=folder)
     assert isinstance(solution, Solution)
-    verify.note(f"{name}: status", solution.status.value)
     return solution, folder
 
 
@@ -149,7 +148,6 @@ def test_as_printed_its_ghost_rows_grow_without_bound(verify, nodes):
         "the message names the ghost rows and (74)", str(named), "True", "a failure is to say its cause"
     )
     verify.note("steps until it is given up", found.steps)
-    verify.note("message", found.message)
 
 
 @pytest.mark.parametrize(

@@ -59,9 +59,8 @@ def test_wrinkles_with_bands_from_meshes_and_seeds(verify, move, rise):
         verify.note(f"{row.measure}: finest mesh", row.finest, unit)
         verify.note(f"{row.measure}: lowest to believe", row.low, unit)
         verify.note(f"{row.measure}: highest to believe", row.high, unit)
-        of_limit = f"limit {row.limit:.6g} of order {row.order:.2g}, seeds on {SEED_NODES} nodes"
-        of_range = f"range over meshes and seeds, no limit: {row.refused}"
-        verify.note(f"{row.measure}: where the band comes from", of_range if row.refused else of_limit)
+        of_limit = f"limit, of order {row.order:.2g}"
+        verify.note(f"{row.measure}: what the meshes have", "no limit, a range" if row.refused else of_limit)
         verify.note(f"{row.measure}: seeds", f"{row.lowest_seed:.6g} to {row.highest_seed:.6g}", unit)
     finest = meshes[max(meshes)]
     estimate = estimate_of(sheet(move, rise, MESHES[0]))
