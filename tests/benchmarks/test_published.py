@@ -63,6 +63,7 @@ def test_on_healthy_meshes_it_gives_the_same_wrinkles(verify, scene, load, keys,
     name = f"published-{scene}-{load['edges.top.move_mm'][scene == 'stretch']:g}-{nodes}" + (
         "-uniform" if keys else ""
     )
+    verify.note("scene, movement of the upper edge (mm), nodes", name.removeprefix("published-"))
     known, folder = solved(verify, f"{name}-koiter", scene, "koiter", nodes, {**load, **keys})
     verify.equal("conservative scheme", known.status.value, "converged", "there is to be a partner")
     start = {"start.from": str(folder), "start.perturbation": 0.0}
@@ -141,6 +142,7 @@ def test_cold_starts_have_the_same_envelope(verify):
 def test_as_printed_its_ghost_rows_grow_without_bound(verify, nodes):
     """The published scheme as printed, 10 %: the ghost update (74) blows up on every mesh, and the run says so"""
     keys = {**pulled(10.0), "solver.published": "printed"}
+    verify.note("nodes", nodes)
     found, _ = solved(verify, f"published-printed-{nodes}", "stretch", "koiter-published", nodes, keys)
     verify.equal("status", found.status.value, "diverged", "short waves of the ghosts grow for nu > 0")
     named = "ghost rows of the edges" in found.message and "(74)" in found.message
@@ -161,6 +163,7 @@ def test_as_printed_its_ghost_rows_grow_without_bound(verify, nodes):
 def test_without_hourglass_control_it_converges_to_a_checkerboard(verify, name, percent, keys, nodes):
     """The published scheme without hourglass stiffness: states of pure checkerboard, converged and named"""
     load = {**pulled(percent), **keys}
+    verify.note("case", f"{name}, {nodes} nodes")
     label = f"published-checkerboard-{name.replace(' %', '').replace(', ', '-').replace(' ', '-')}"
     found, _ = solved(
         verify,
