@@ -44,14 +44,31 @@ def read_costs(folder: Path) -> dict[str, Document]:
 def build(costs: Mapping[str, Document]) -> Section:
     """Assemble the section; without measurements it says how to make them."""
     blocks: list[Block] = []
+    everywhere = _left_everywhere(costs)
     for scene, document in costs.items():
-        blocks += _scene(scene, document)
+        blocks += _scene(scene, document, everywhere)
+    if everywhere:
+        blocks.append(Text("Left out on every scene:", items=_items(everywhere)))
     if not blocks:
         blocks = [Text("Nothing was measured yet: `wrinkle cost SCENE` does, and the next report shows it.")]
     return Section("cost", "What accuracy costs", blocks)
 
 
-def _scene(scene: str, document: Document) -> list[Block]:
+def _left_everywhere(costs: Mapping[str, Document]) -> dict[str, str]:
+    """What all of several scenes leave out for the same reason."""
+    left = [document["omitted"] for document in costs.values()]
+    return (
+        {what: why for what, why in left[0].items() if all(other.get(what) == why for other in left)}
+        if len(left) > 1
+        else {}
+    )
+
+
+def _items(left: Mapping[str, str]) -> tuple[str, ...]:
+    return tuple(f"{what}: {why}" for what, why in left.items())
+
+
+def _scene(scene: str, document: Document, everywhere: Mapping[str, str]) -> list[Block]:
     quantities = chosen_quantities(document)
     said = [
         sentence.replace(q, f"the {words(q)}")
@@ -66,7 +83,7 @@ def _scene(scene: str, document: Document) -> list[Block]:
         blocks += [_drawing(scene, document, quantities)]
         blocks += [_table(scene, document, quantity) for quantity in quantities[:1]]
     blocks.append(_failures(scene, document["rows"]))
-    left = tuple(f"{what}: {why}" for what, why in document["omitted"].items())
+    left = _items({what: why for what, why in document["omitted"].items() if what not in everywhere})
     machine = document["machine"]
     blocks.append(
         Text(

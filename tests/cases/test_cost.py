@@ -84,6 +84,11 @@ def test_one_method_alone_is_extrapolated_and_labelled_so():
     assert found[0].how == "membrane, extrapolated from its finest meshes"
 
 
+def test_the_published_scheme_is_no_reference():
+    series = {"koiter-published": second_order(2.0, 0.1)}
+    assert references(series) == []
+
+
 def test_what_does_not_approach_a_limit_is_no_reference():
     assert (
         references({"koiter": [(1000, {ENERGY: 1.0}), (4000, {ENERGY: 2.0}), (16_000, {ENERGY: 1.5})]}) == []

@@ -71,6 +71,14 @@ def test_a_scene_has_its_sentences_figure_table_failures_and_omissions(folder):
     assert isinstance(drawing, Drawing) and "two methods" in drawing.caption
 
 
+def test_what_every_scene_leaves_out_is_said_once(folder):
+    document = section_cost.read_costs(folder)["stretch"]
+    other = {**document, "omitted": {**document["omitted"], "buckling": "no load"}}
+    blocks = section_cost.build({"stretch": document, "hole": other}).blocks
+    said = [block.items for block in blocks if isinstance(block, Text) and "Left out" in block.text]
+    assert said == [(), ("buckling: no load",), ("exact: there is none",)]
+
+
 def test_the_figure_draws_every_run_failed_ones_too(folder):
     drawing = section_cost.build(section_cost.read_costs(folder)).blocks[1]
     figure = make_figure(drawing)
