@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numba
 import numpy as np
 
+from fdsolver.finish import FINISHED
 from fdsolver.grid import Grid
 from fdsolver.level import Level
 from fdsolver.model import Model
@@ -234,7 +235,9 @@ def _watcher(
             rate = state.step / state.seconds if state.seconds > 0.0 else 0.0
             place = (run.level + 1, levels, level.grid.nodes, state.step)
             progress(Progress(*place, state.residual, settings.tolerance, rate, run.seconds))
-        if checkpoint is not None and time.monotonic() - saved > SAVE_SECONDS:
+        # an attempt to finish begins anew when it is resumed, so a state on its way is none to go on from
+        finishing = state.history[-1][-1] == FINISHED
+        if checkpoint is not None and not finishing and time.monotonic() - saved > SAVE_SECONDS:
             checkpoint.save({**run.as_arrays(), **recorder.as_arrays()})
             saved = time.monotonic()
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fdsolver import finish, meshes
+from fdsolver import finish, meshes, multilevel
 from fdsolver.edges import EdgeCondition
 from fdsolver.finish import FINISHED, relax_or_finish, suits
 from fdsolver.level import Level
@@ -91,6 +91,35 @@ def test_relaxed_annulus_in_space_comes_to_the_same_state() -> None:
     finished, relaxed = both(ring(800, THIN), TENSION_FIELD, FINE)
     assert finished.status is relaxed.status is Status.CONVERGED and finished_rows(finished)
     np.testing.assert_allclose(finished.r, relaxed.r, rtol=0.0, atol=1e-5)
+
+
+class Kept:
+    """A store that keeps all checkpoints, and gives one of another run."""
+
+    def __init__(self, start: dict | None = None) -> None:
+        self.start, self.saved = start, []
+
+    def save(self, state) -> None:
+        self.saved.append({name: np.array(value) for name, value in state.items()})
+
+    def load(self) -> dict | None:
+        return self.start
+
+
+def test_a_run_that_is_finished_goes_on_from_every_checkpoint_with_the_same_bits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An attempt to finish has more in hand than the state: killed, it begins anew, and not where it was."""
+    monkeypatch.setattr(multilevel, "SAVE_SECONDS", -1.0)
+    problem, settings = ring(800, THIN), replace(FINE, tolerance=1e-8, finish="on")
+    store = Kept()
+    whole = solve(problem, TENSION_FIELD, settings, checkpoint=store)
+    assert finished_rows(whole) > 5 and len(store.saved) > 5
+    for start in store.saved[-3:]:
+        again = solve(problem, TENSION_FIELD, settings, checkpoint=Kept(start))
+        np.testing.assert_array_equal(again.r, whole.r)
+        for name, values in whole.history.items():
+            np.testing.assert_array_equal(again.history[name], values, err_msg=name)
 
 
 def test_indefinite_state_goes_back_to_relaxation() -> None:
