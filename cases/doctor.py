@@ -77,6 +77,7 @@ def _bench() -> int:
             TENSION_FIELD,
             replace(MEMBRANE, name="membrane in the plane", out_of_plane=False),
             MEMBRANE,
+            replace(KOITER, name="koiter in the plane", out_of_plane=False),
             replace(KOITER, name="moderate rotations", moderate=True),
             replace(KOITER, name="koiter, normal of the flat sheet", strain_gradient=False),
             KOITER,

@@ -152,6 +152,21 @@ def quarters(rows: Sequence[Row]) -> Table:
     return Table(caption, columns, cells, wide=(0, 1, 6))
 
 
+def cost(rows: Sequence[Row]) -> Table:
+    """What a step of one node costs with every combination of effects."""
+    cells = tuple(
+        (row["what"], whole(row["operations"]), whole(row["bytes"]), number(row["nanoseconds"], 2))
+        for row in rows
+    )
+    columns = ("model", "operations per node", "bytes per node", "CPU time of a step (ns)")
+    caption = (
+        "What is left out costs nothing: operations in the generated code of the rows that compute stresses and"
+        " moments, bytes of all fields and constants, and time of a step of one node of a rectangle, on one thread of"
+        " a machine that may have been busy."
+    )
+    return Table(caption, columns, cells, wide=(0,))
+
+
 def plans(rows: Sequence[Row]) -> Table:
     """Every plan beside its outcome."""
     cells = tuple(

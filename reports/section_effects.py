@@ -52,6 +52,7 @@ def build(results: Mapping[str, Stored], folder: Path) -> Section:
     blocks = [
         *_verdicts(found.get("table", []), found.get("random", [])),
         *_quarters([row for name, rows in found.items() if name.startswith("quarter") for row in rows]),
+        *([tables.cost(found["cost"])] if found.get("cost") else []),
         *_plans(found.get("plan", [])),
         *_kinematics(read_kinematics(folder)),
         *_restricted(found.get("restricted", [])),

@@ -129,6 +129,11 @@ def test_plans_kinematics_and_the_dropped_restriction(tmp_path: Path) -> None:
     assert "30 %: 0 against 1.0 mm" in texts(tmp_path)
 
 
+def test_the_cost_of_what_is_left(tmp_path: Path) -> None:
+    write(tmp_path, cost=[{"what": "membrane", "operations": 106, "bytes": 208.0, "nanoseconds": 8.21}])
+    assert table_of(tmp_path, "costs nothing").rows == (("membrane", "106", "208", "8.2"),)
+
+
 def test_what_was_not_run_is_said(tmp_path: Path) -> None:
     (tmp_path / "effects").mkdir()
     (tmp_path / "effects" / "table.json").write_text('[{"what": ', encoding="utf-8")  # still being written
