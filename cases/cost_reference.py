@@ -107,11 +107,10 @@ def _reference(
     known = {method: _limit(name, runs) for method, runs in series.items() if method != COMPARED}
     limits = {method: limit for method, limit in known.items() if limit is not None}
     if all(method in limits for method in INDEPENDENT):
-        (first, band), (second, other) = (limits[method] for method in INDEPENDENT)
-        value, apart = 0.5 * (first + second), 0.5 * abs(first - second)
-        return Reference(
-            model, name, value, apart + max(band, other), f"{' and '.join(INDEPENDENT)}, extrapolated"
-        )
+        surer, other = sorted(INDEPENDENT, key=lambda method: limits[method][1])
+        (value, band), (second, _) = limits[surer], limits[other]
+        how = f"{surer}, extrapolated, and {other} beside it"
+        return Reference(model, name, value, band + abs(value - second), how)
     for method, (value, band) in limits.items():
         return Reference(model, name, value, band, f"{method}, extrapolated from its finest meshes")
     return None
