@@ -19,6 +19,7 @@ from reports import (
     section_ladder,
     section_other,
     section_peers,
+    section_postbuckling,
     section_published,
     section_shear,
     section_stretch,
@@ -54,6 +55,8 @@ def build_report(results: Mapping[str, Stored], full: bool, benchmarks: Path) ->
     sections += [module.build(on_grids) for scene, module in built if scene in scenes]
     if any(stored.method == "buckling" for stored in results.values()):
         sections.append(section_buckling.build(results, benchmarks.parent))
+    if any(stored.method == "postbuckling" for stored in results.values()):
+        sections.append(section_postbuckling.build(results, benchmarks.parent))
     if scenes & set(LADDER):
         sections.append(section_ladder.build(results))
     beside = benchmarks.parent.parent

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from reports.plan_buckling import buckling_runs
+from reports.plan_postbuckling import postbuckling_runs
 from reports.plan_sheets import shear_runs, stretch_runs
 from reports.run import ReportRun
 
@@ -81,6 +82,7 @@ def report_runs(full: bool = False, scenes: Sequence[str] | None = None) -> list
         *_hole(),
         *_ladder(),
         *buckling_runs(),
+        *postbuckling_runs(),
         *_annulus(),
         *shear_runs(),
     ]

@@ -40,7 +40,7 @@ def build(results: Mapping[str, Stored]) -> Section:
     ]
     everything = []
     for scene in LADDER:
-        mine = [s for s in results.values() if s.run.scene == scene]
+        mine = [s for s in results.values() if s.run.scene == scene and not s.run.part]
         if mine:
             blocks += _step(scene, mine)
             everything += mine

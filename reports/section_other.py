@@ -193,8 +193,6 @@ _QUESTIONS = (
     "run, and distances are given both ways.",
 )
 _OMISSIONS = (
-    "post-buckled states by finite elements, except for the numbers of their verification runs above: "
-    "`wrinkle compare stretch` holds them against the finite differences;",
     "buckling of the annulus, whose load is not in its plane;",
     "the number of wrinkles as a firm number: it follows the mesh long after the energy has settled, and "
     "is given only as measured on each run, with the nodes per wrinkle beside it.",

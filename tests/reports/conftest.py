@@ -18,6 +18,7 @@ from reports.run import ReportRun
 from reports.stored import Stored
 from tests.reports.synthetic import write_synthetic
 from tests.reports.synthetic_buckling import write_synthetic_buckling
+from tests.reports.synthetic_postbuckling import write_synthetic_postbuckling
 
 HOSTILE = "<script>alert('x')</script> & \"quotes\" $x_1$"
 REFUSED, STALLED, MISSING, HOSTILE_RUN = (
@@ -81,6 +82,8 @@ def results_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             note_refusal(folder / run.name, "refused", f"No mesh for {HOSTILE}")
         elif run.method == "buckling":
             write_synthetic_buckling(folder / run.name, run, max(400, (run.nodes_quick or 0) // 2))
+        elif run.method == "postbuckling":
+            write_synthetic_postbuckling(folder / run.name, run, max(400, (run.nodes_quick or 0) // 6))
         elif not is_left_out(run):
             status = Status.STALLED if run.name == STALLED else Status.CONVERGED
             title = HOSTILE if run.name == HOSTILE_RUN else None
