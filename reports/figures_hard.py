@@ -74,17 +74,17 @@ def _legend(ax: Axes, rows: Sequence[Case], peer: Mapping[str, Case]) -> None:
     """One entry per colour that is drawn."""
     from matplotlib.patches import Rectangle
 
-    entries = [
-        (COLOURS[verdict], verdict) for verdict in VERDICTS if any(r["verdict"] == verdict for r in rows)
-    ]
-    if any(colour(row) == FORETOLD for row in rows):
-        entries.insert(1, (FORETOLD, NAMED))
     ended = {row["outcome"] for row in peer.values()}
-    for outcome, shade in PEER_COLOURS.items():
-        if outcome in ended and shade not in [known for known, _ in entries]:
-            entries.append((shade, f"below: {outcome}"))
+    meanings: dict[str, list[str]] = {}
+    for verdict in (v for v in VERDICTS if any(row["verdict"] == v for row in rows)):
+        meanings.setdefault(COLOURS[verdict], []).append(verdict)
+    if any(colour(row) == FORETOLD for row in rows):
+        meanings[FORETOLD] = [NAMED]
+    for outcome in (word for word in PEER_COLOURS if word in ended):
+        meanings.setdefault(PEER_COLOURS[outcome], []).append(f"below: {outcome}")
     if peer and any(row["name"] not in peer for row in rows):
-        entries.append((NOT_ASKED, "below: not asked"))
+        meanings[NOT_ASKED] = ["below: not asked"]
+    entries = [(shade, "; ".join(words)) for shade, words in meanings.items()]
     handles = [Rectangle((0, 0), 1, 1, facecolor=shade) for shade, _ in entries]
     names = [name for _, name in entries]
     ax.legend(handles, names, ncols=3, loc="upper center", bbox_to_anchor=(0.42, -0.1))

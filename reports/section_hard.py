@@ -40,7 +40,7 @@ def build(rows: Sequence[Case], peer: Peer | None = None) -> Section:
         )
         return Section("hard", title, [Text(text)])
     blocks: list[Block] = [Text(_words(rows)), _map(rows, other), _families(rows, other)]
-    blocks += [Text(_peer_words(other)), *_peer_mistakes(rows, other)] if other else []
+    blocks += [Text(_peer_words(rows, other)), *_peer_mistakes(rows, other)] if other else []
     return Section("hard", title, [*blocks, _foretold(rows), _table(rows, other)])
 
 
@@ -86,13 +86,16 @@ def _families(rows: Sequence[Case], peer: Peer) -> Table:
     return Table("Hard cases by family and outcome.", columns, tuple(cells))
 
 
-def _peer_words(peer: Peer) -> str:
+def _peer_words(rows: Sequence[Case], peer: Peer) -> str:
     ends = Counter(row["outcome"] for row in peer.values())
     versions = {row["versions"].get("felupe", "") for row in peer.values()} - {""}
     counted = ", ".join(f"{ends[outcome]} {outcome}" for outcome in PEER_COLOURS)
+    left_out = Counter(row["family"] for row in rows if row["name"] not in peer)
+    but = ", ".join(f"{count} of {family}" for family, count in left_out.items())
     return (
-        f"{len(peer)} of the cases (all but those of the time step) were given to FElupe {', '.join(sorted(versions))}"
-        f", a finite-element code, from the same start on the same nodes: {counted}. Membranes have biquadratic"
+        f"{len(peer)} of the cases{f' (not asked: {but})' if but else ''} were given to FElupe "
+        f"{', '.join(sorted(versions))}, a finite-element code, from the same start on the same nodes: {counted}."
+        " Newton's method has no time step. Membranes have biquadratic"
         " elements, plates are solids of one layer of triquadratic elements (Poisson ratio 0.499 for 0.5); Newton's"
         " method goes to the full load at once and, where that fails, in ten steps; a process may take 100 s. Its"
         " answers are judged by the cases' own requirements, widened by 1 %, and by the energies found here, within 1 %"

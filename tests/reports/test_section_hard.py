@@ -96,7 +96,8 @@ def test_the_peer_stands_beside_every_case_that_it_was_given() -> None:
     assert wrong.rows == (("title of s1", "energy: 2, required 1"),)
     assert [line[-1] for line in cases.rows[-3:]] == [hard_peer.WRONG, "–", hard_peer.CRASHED]
     text = [block.text for block in build(ROWS, PEER).blocks if isinstance(block, Text)][1]
-    assert "FElupe 1.2" in text and "1 right, 0 gave up by name, 1 crashed or no end, 1 silent" in text
+    assert "3 of the cases (not asked: 24 of mesh, 1 of start) were given to FElupe 1.2" in text
+    assert "1 right, 0 gave up by name, 1 crashed or no end, 1 silent" in text
 
 
 def test_the_map_has_a_strip_for_the_peer_below_every_square() -> None:
@@ -108,7 +109,13 @@ def test_the_map_has_a_strip_for_the_peer_below_every_square() -> None:
     plt.close(figure)
     assert colours[1] == PEER_COLOURS[hard_peer.RIGHT] and colours[3] == NOT_ASKED
     assert colours[2 * 25 + 1] == PEER_COLOURS[hard_peer.WRONG]
-    assert "below: not asked" in entries
+    assert entries == [
+        "as expected; below: right",
+        "silent wrong answer; below: silent wrong answer",
+        "unnamed end; below: crashed or no end",
+        "a named refusal, as foretold",
+        "below: not asked",
+    ]
 
 
 def test_the_words_of_the_peer_are_those_of_the_campaign(tmp_path) -> None:
