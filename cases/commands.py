@@ -154,8 +154,10 @@ def compare_methods(arguments: argparse.Namespace, interruption: Interruption) -
         print(f"wrinkle: warning: {name} was left out: {why}", file=sys.stderr)
     table = found.table.set_index("method").astype(object)
     print(table.where(table.notna(), "-").T.to_string(float_format=_short))
-    print(f"\ndifferences from {found.reference}")
-    print(found.differences.drop(columns="reference").to_string(index=False, float_format=_short, na_rep="-"))
+    for reference, rows in found.differences.groupby("reference", sort=False):
+        print(f"\ndifferences from {reference}")
+        shown = rows.drop(columns="reference").dropna(axis="columns", how="all")
+        print(shown.to_string(index=False, float_format=_short, na_rep="-"))
     print(out)
     return 0
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases.cross_check import DIFFERENCES, ELEMENTS, cross_check
+from cases.cross_check import DIFFERENCES, ELEMENTS, appearance_check, cross_check
 from cases.files import json_text
 from cases.methods import MethodError, choose, methods_of
 from cases.probe import Columns, measure_section
@@ -35,11 +35,11 @@ class Comparison:
     """What a comparison found.
 
     reference : name of the reference method. solutions : method -> Solution. refused : method -> why it was
-        not run.
+        not run; "appearance" -> why the strain at which wrinkles appear was not found.
     table : one row per method. differences : one row per quantity and method, with its unit, the value, the
         reference's value and the difference (of fields along paths: the relative L2 and the largest
-        difference, slack places masked). Wrinkles by finite elements are also held against those by finite differences,
-        with the error estimates of both.
+        difference, slack places masked). Wrinkles by finite elements, and the strain at which they appear, are also held
+        against those by finite differences, with the error estimates of both.
     """
 
     reference: str
@@ -113,11 +113,27 @@ def _compared(scene: Scene, solutions: Mapping[str, AnySolution], refused: Mappi
     elements, grid = solutions.get(ELEMENTS), solutions.get(DIFFERENCES)
     if isinstance(elements, FiniteElementSolution) and isinstance(grid, Solution):
         differences += cross_check(scene, elements, probes[ELEMENTS], grid)
+    modes = solutions.get("buckling")
+    if isinstance(modes, FiniteElementSolution) and isinstance(grid, Solution):
+        rows, reason = _appearance(scene, modes)
+        differences += rows
+        refused = {**refused, "appearance": reason} if reason else refused
     columns = ["quantity", "unit", "method", "reference", "value", "reference_value", "difference"]
     columns += ["error", "reference_error"]
     return Comparison(
         reference, solutions, refused, pd.DataFrame(table), pd.DataFrame(differences, columns=columns)
     )
+
+
+def _appearance(scene: Scene, modes: FiniteElementSolution) -> tuple[list[Row], str]:
+    """Rows on where wrinkles appear, or why there are none."""
+    from femref.inertia import NotCertified
+    from femref.prestress import NoPrestress
+
+    try:
+        return appearance_check(scene, modes), ""
+    except (ValueError, NoPrestress, NotCertified) as reason:
+        return [], str(reason)
 
 
 def method_row(solution: AnySolution, probes: Probes) -> Row:

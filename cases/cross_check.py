@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from cases import appearance
 from cases.energy_gained import NotComparable, energy_gained, flat_state
 from cases.envelope import compare_waves, envelope
 from cases.errors import discretisation_error
@@ -53,6 +54,27 @@ def cross_check(
             rows.append(_row(f"sections.{name} envelope, relative L2", "1", None, None, None, None))
             rows[-1]["difference"] = waves.envelope_difference
     return rows
+
+
+def appearance_check(scene: Scene, buckling: FiniteElementSolution) -> list[dict[str, Any]]:
+    """Two rows on the strain at which wrinkles appear: by the linear modes and by the flat sheet of finite strain, both
+    by finite elements, against the flat sheet relaxed by finite differences. No rows for a scene whose load is not
+    beyond the first critical one, or very far beyond it.
+
+    Raises ValueError, NoPrestress or NotCertified if the flat sheet does not give way near the modes' load.
+    """
+    if not appearance.worth_searching(buckling):
+        return []
+    factor = float(buckling.critical[0]["factor"])
+    theirs = appearance.by_relaxation(scene, factor)
+    found = {
+        "strain of appearance, linear modes": appearance.by_modes(buckling),
+        "strain of appearance, flat sheet of finite strain": appearance.by_elements(scene, factor),
+    }
+    return [
+        _row(name, "1", ours.strain, theirs.strain, ours.error, theirs.error) | {"method": buckling.method}
+        for name, ours in found.items()
+    ]
 
 
 def differences_values(

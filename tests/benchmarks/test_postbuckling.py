@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cases import load_scene, run
+from cases import compare, load_scene, run
 from cases.bicubic import sample_bicubic_section
 from cases.energy_gained import energy_gained, flat_state
 from cases.envelope import envelope
@@ -138,4 +138,33 @@ def test_lifted_annulus(verify):
         abs(found.energy_N_mm["bending"] / limit.value - 1.0),
         limit=2e-3,
         reason="the finest finite-difference mesh is 1.4e-3 from the finite elements",
+    )
+
+
+def test_compare_holds_both_methods_against_each_other(verify):
+    """Pulled strip by every method: `wrinkle compare`, its differences beside the error estimates of both methods"""
+    found = compare(load_scene("stretch"), nodes=24000, out=verify.folder("stretch-compare"))
+    verify.equal("methods that were refused", len(found.refused), 0, "all methods of the scene take part")
+    rows = found.differences.dropna(subset=["error", "reference_error"])
+    verify.above(
+        "quantities with the error estimates of both methods", len(rows), limit=7, reason="the issue's"
+    )
+    for row in rows.to_dict("records"):
+        bars = row["error"] + row["reference_error"]
+        verify.note(f"{row['quantity']}: difference over the sum of both bars", abs(row["difference"]) / bars)
+        if (
+            "linear" not in row["quantity"]
+        ):  # linear modes leave the finite strain of their own appearance out
+            verify.below(
+                f"{row['quantity']}: difference over the sum of both bars, as it must be",
+                abs(row["difference"]) / bars,
+                limit=1.0,
+                reason="the same energy has one equilibrium",
+            )
+    envelopes = found.differences[found.differences.quantity.str.contains("envelope, relative L2")]
+    verify.below(
+        "envelope, relative L2 difference",
+        float(envelopes.difference.max()),
+        limit=0.05,
+        reason="the finite differences' crest height is 2 % from its limit on this mesh, and their bar is as wide",
     )
