@@ -54,7 +54,7 @@ def height(solution: Solution) -> np.ndarray:
         ("stretch", pulled(10.0), UNIFORM, 6000),
         ("stretch", pulled(5.0), {}, 12000),
         ("stretch", pulled(20.0), UNIFORM, 12000),
-        ("shear", sheared(0.05), {}, 10000),
+        ("shear", sheared(0.05), {}, 20000),
     ],
     ids=["10", "10-fine", "10-finest", "10-uniform", "5", "20-uniform", "shear-0.05"],
 )
@@ -81,8 +81,8 @@ def test_on_healthy_meshes_it_gives_the_same_wrinkles(verify, scene, load, keys,
         verify.below(
             f"{variant}: difference of the bending energy",
             abs(found.energy_N_mm["bending"] / known.energy_N_mm["bending"] - 1.0),
-            limit=1e-2,
-            reason="it goes with the square of the height",
+            limit=1e-2 if scene == "stretch" else 5e-2,
+            reason="it goes with the square of the height; beside clamps the curvature is that of half a cell",
         )
         verify.note(
             f"{variant}: CPU seconds of a step over the conservative one's", _a_step(found) / _a_step(known)
