@@ -82,7 +82,7 @@ def test_on_healthy_meshes_it_gives_the_same_wrinkles(verify, scene, load, keys,
             f"{variant}: difference of the bending energy",
             abs(found.energy_N_mm["bending"] / known.energy_N_mm["bending"] - 1.0),
             limit=1e-2 if scene == "stretch" else 5e-2,
-            reason="it goes with the square of the height; the bent layer beside clamps, 0.5 mm, is thinner than a cell",
+            reason="it goes with the square of the height; the layer beside clamps, 0.5 mm, is thinner than a cell",
         )
         verify.note(
             f"{variant}: CPU seconds of a force over the conservative one's",
