@@ -12,10 +12,9 @@ from cases import load_scene
 from cases.schema import Scene
 
 NODES = 2500  # a few seconds for a run with everything on
-TOLERANCE = (
-    1e-7  # of all runs, over the strain of the load: what is compared is models, not how far iterations went
-)
-LEAST_TOLERANCE, MOST_TOLERANCE = 1e-13, 1e-8  # rounding, and the default of membranes
+# Of all runs, over the strain of the load: what is compared is the models and not how far the iterations went.
+TOLERANCE = 3e-7
+LEAST_TOLERANCE, MOST_TOLERANCE = 3e-11, 1e-8  # what soft plates reach in `MOST_STEPS`; default of membranes
 MOST_STEPS = 50_000  # some plates pushed far beyond buckling would fold for minutes
 THINNEST, THICKEST = 1e-6, 1e-2  # over the size
 
