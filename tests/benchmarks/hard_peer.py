@@ -11,6 +11,7 @@ import argparse
 import dataclasses
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -69,12 +70,7 @@ class Peer:
             check=False,
         )
         if not answer.exists():
-            last = (
-                done.stderr.strip().splitlines()[-1:]
-                if done.returncode > 0
-                else ["no end within its CPU time"]
-            )
-            raise PeerEnded(CRASHED, (last or [f"exit code {done.returncode}"])[0])
+            raise PeerEnded(CRASHED, _last_words(done))
         with np.load(answer, allow_pickle=False) as stored:
             found, r = json.loads(str(stored["found"])), stored["r"]
         self.found.append(found)
@@ -87,6 +83,15 @@ class Peer:
 
 class PeerEnded(Exception):
     """The peer gave no answer; outcome and message."""
+
+
+def _last_words(done: subprocess.CompletedProcess[str]) -> str:
+    """How a process ended that left no answer."""
+    if done.returncode == -signal.SIGXCPU:
+        return "no end within its CPU time"
+    if done.returncode < 0:
+        return f"ended by {signal.Signals(-done.returncode).name}"
+    return (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
 
 
 def _pose(file: Path, level: Level, state: State) -> None:

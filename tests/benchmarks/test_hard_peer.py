@@ -37,8 +37,10 @@ np.savez(sys.argv[2], r=r, found=json.dumps(found))
         ('found["energy"] *= 1.05', hard_peer.WRONG, "energy, N mm"),
         ('found.update(status="not converged", message="40 steps")', hard_peer.FAILED, "40 steps"),
         ('raise ArithmeticError("no pivot")', hard_peer.CRASHED, "ArithmeticError: no pivot"),
+        ("import os; os.kill(os.getpid(), 11)", hard_peer.CRASHED, "ended by SIGSEGV"),
+        ("import os; os.kill(os.getpid(), 24)", hard_peer.CRASHED, "no end within its CPU time"),
     ],
-    ids=["right", "nearly", "wrong", "gave-up", "crashed"],
+    ids=["right", "nearly", "wrong", "gave-up", "crashed", "killed", "no-end"],
 )
 def test_the_end_of_a_peer_is_named_by_what_it_found(
     change: str, outcome: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
