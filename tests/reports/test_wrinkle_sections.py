@@ -269,16 +269,19 @@ def test_eigenvalue_passes_zero_where_a_line_does():
 def test_published_scheme_is_compared_on_the_same_mesh(report, results):
     rows = table_of(report, "published", "The published scheme").rows
     assert len(rows) == sum(s.method == "koiter-published" for s in results.values())
-    row = next(r for r in rows if r[:3] == ("filtered ghost line", "10", rows[0][2]))
+    row = next(r for r in rows if r[:3] == ("filtered", "10", rows[0][2]))
     # made of the same formula on the same mesh
-    assert row[7] == row[8]
-    assert row[9] == "0"
+    assert row[8] == row[9]
+    assert row[10] == "0"
 
 
 def test_long_cells_are_compared_with_long_cells(results):
     run = results["published-filtered-long-cells"]
     assert mesh_key(run) == mesh_key(results["published-partner-long-cells"])
     assert mesh_key(run) != mesh_key(results["published-filtered-10-6000"])
+    high = results["published-filtered-square-cells"]
+    assert mesh_key(high) == mesh_key(results["published-partner-square-cells"])
+    assert mesh_key(high) != mesh_key(results["published-filtered-20-6000"])
 
 
 def test_checkerboard_is_not_healthy_even_if_converged(results, tmp_path):
