@@ -59,7 +59,7 @@ def test_wrinkles_with_bands_from_meshes_and_seeds(verify, move, rise):
         verify.note(f"{row.measure}: finest mesh", row.finest, unit)
         verify.note(f"{row.measure}: lowest to believe", row.low, unit)
         verify.note(f"{row.measure}: highest to believe", row.high, unit)
-        of_limit = f"limit, of order {row.order:.2g}"
+        of_limit = f"limit, of order {row.order:.2g}" if row.order > 0.0 else "one value"
         verify.note(f"{row.measure}: what the meshes have", "no limit, a range" if row.refused else of_limit)
         verify.note(f"{row.measure}: seeds", f"{row.lowest_seed:.6g} to {row.highest_seed:.6g}", unit)
     finest = meshes[max(meshes)]
