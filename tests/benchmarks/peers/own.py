@@ -25,7 +25,7 @@ def solve():
         section = sample_section(solution.grid, solution.r, scene.sections["midsection"])
         values["rms_mm"] = measure_section(section, scene.sheet.thickness_mm).rms_mm
     unknowns = solution.grid.nodes * (2 if PROBLEM == "hole" else 3)
-    versions = {"wrinklebench": f"{code()['version']} ({code()['source_sha256'][:8]})"}
+    versions = {"wrinklebench": f"{code()['version'] or 'source'} {code()['source_sha256'][:8]}"}
     answer(values, solution.cpu_seconds, unknowns, solution.steps, versions)
 
 
