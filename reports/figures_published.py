@@ -35,8 +35,6 @@ def states(fig: FigureBase, runs: Sequence[Stored], titles: Sequence[str]) -> No
         above[k].set_title(name, fontsize=7.5)
         _close_up(below[k], r, size)
     inner_plans(list(above))
-    for ax in below[1:]:
-        ax.set_ylabel("")
     if not runs:
         for ax in (above[0], below[0]):
             ax.set_axis_off()
@@ -51,5 +49,5 @@ def _close_up(ax: Axes, r: np.ndarray, size: float) -> None:
         for k, count in zip((int(i), int(j)), r.shape[:2], strict=True)
     )
     draw_height(ax, r[rows, columns], size, "", smooth=False)
+    ax.set_title(rf"$z$: $\pm${power_of_ten(size)} mm", fontsize=7.5)
     ax.locator_params(axis="x", nbins=2)
-    ax.set_xlabel("$x$ (mm)\n" + rf"$z$: $\pm${power_of_ten(size)} mm", fontsize=7.5)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 
@@ -16,7 +15,6 @@ from reports.loads import by_pull, by_shear, energy_gained, flat_partners, partn
 from reports.phases import phase
 from reports.plan import report_runs
 from reports.plan_sheets import PULLS, SCAN_HALF_WAVELENGTHS_MM, SEEDS, SHEARS_MM
-from reports.section_published import healthy, mesh_key
 from reports.seed_words import seed_states, seed_words
 from reports.shear_measures import measure_all, value_of
 from reports.shear_tables import banded_text, series, to_believe
@@ -264,32 +262,6 @@ def test_eigenvalue_passes_zero_where_a_line_does():
     pulls, lowest = np.array([1.0, 2.0, 4.0, 8.0]), np.array([0.1, -0.3, -0.2, 0.2])
     assert crossings(pulls, lowest) == [(pytest.approx(1.25), True), (pytest.approx(6.0), False)]
     assert crossings(pulls, np.abs(lowest)) == []
-
-
-def test_published_scheme_is_compared_on_the_same_mesh(report, results):
-    rows = table_of(report, "published", "The published scheme").rows
-    assert len(rows) == sum(s.method == "koiter-published" for s in results.values())
-    row = next(r for r in rows if r[:3] == ("filtered", "10", rows[0][2]))
-    # made of the same formula on the same mesh
-    assert row[8] == row[9]
-    assert row[10] == "0"
-
-
-def test_long_cells_are_compared_with_long_cells(results):
-    run = results["published-filtered-long-cells"]
-    assert mesh_key(run) == mesh_key(results["published-partner-long-cells"])
-    assert mesh_key(run) != mesh_key(results["published-filtered-10-6000"])
-    high = results["published-filtered-square-cells"]
-    assert mesh_key(high) == mesh_key(results["published-partner-square-cells"])
-    assert mesh_key(high) != mesh_key(results["published-filtered-20-6000"])
-
-
-def test_checkerboard_is_not_healthy_even_if_converged(results, tmp_path):
-    run = results["published-filtered-10-6000"]
-    assert healthy(run)
-    document = dict(run.result) | {"hourglass": {"out_of_plane": 0.9, "in_plane": None}}
-    (tmp_path / "result.json").write_text(json.dumps(document), encoding="utf-8")
-    assert not healthy(Stored(run.run, tmp_path))
 
 
 def test_imposed_waves_stand_beside_random_starts_of_their_mesh(report):
