@@ -46,10 +46,8 @@ def bands(fig: FigureBase, panels: Sequence[tuple[str, Sequence[Series]]]) -> No
         nodes = sorted({n for series in group for n in series.meshes[:, 0]})
         ax.set_xticks(nodes, [whole(n) for n in nodes])
         ax.minorticks_off()
-    for ax in axes[3:]:
         ax.set_xlabel("nodes (–)")
-    for ax in axes[::3]:
-        ax.set_ylabel("over the finest mesh's value (–)")
+        ax.set_ylabel("over the finest mesh (–)")
     handles, labels = axes[0].get_legend_handles_labels()
     if handles:
         fig.legend(handles, labels, loc="outside lower center", ncols=4)
