@@ -198,8 +198,9 @@ def _warnings(scene: Scene, lowest: float) -> tuple[str, ...]:
             "circles are polygons here: factors carry their error, which falls with the square of the mesh size"
         )
     if lowest < 0.1 and scene.solver.prestress == "linear":
+        times = float(f"{1.0 / lowest:.3g}")  # three digits, but no power of ten
         said.append(
-            f"the load is {1.0 / lowest:.3g} times the critical one: the factors say when wrinkles appear, not how they"
-            " look at the load"
+            f"the load is {times:.12g} times the critical one: the factors say when wrinkles appear, not how they look"
+            " at the load"
         )
     return tuple(said)

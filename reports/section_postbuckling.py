@@ -17,7 +17,15 @@ from reports.content import Block, Drawing, Section, Text
 from reports.loads import finest, planned_nodes
 from reports.plan_postbuckling import PART, SHOWN_PULLS
 from reports.postbuckling_tables import agreement_table, agreement_words, run_table
-from reports.postbuckling_values import QUANTITIES, Both, Strip, level_values, strip_of, verified_runs
+from reports.postbuckling_values import (
+    QUANTITIES,
+    Both,
+    Strip,
+    element_value,
+    level_values,
+    strip_of,
+    verified_runs,
+)
 from reports.stored import Stored
 from reports.style import number
 from reports.tables import remarks
@@ -82,7 +90,8 @@ def _convergence(strip: Strip) -> Drawing:
         values = np.array([strip.value(each, CREST) for each in grids])
         nodes = np.array([each.value("nodes") for each in grids])
         series[percent] = {ELEMENTS: by_elements, GRID: (nodes, values)}
-        limits[percent] = _element_limit(*by_elements)
+        finer = strip.elements.get(percent)
+        limits[percent] = _element_limit(series[percent][ELEMENTS], finer if finer is not run else None)
     return Drawing(
         "postbuckling-convergence",
         "Convergence of the amplitude",
@@ -94,8 +103,11 @@ def _convergence(strip: Strip) -> Drawing:
     )
 
 
-def _element_limit(nodes: np.ndarray, values: np.ndarray) -> float:
-    """The limit of three meshes of finite elements, or the finest value where they have none."""
+def _element_limit(found: tuple[np.ndarray, np.ndarray], finer: Stored | None) -> float:
+    """The limit of three meshes of finite elements, their finest value without one; the value of a finer run if any."""
+    if finer is not None:
+        return element_value(finer, CREST.key).finest
+    nodes, values = found
     if len(values) < FEWEST:
         return math.nan
     limit = mesh_limit(nodes.tolist(), values.tolist())
