@@ -44,7 +44,7 @@ def cost(fig: FigureBase, rows: Sequence[Row], solvers: Mapping[str, str]) -> No
                 _line(ax, mine, key, "s", colour(method), solver, f"{method}, {name}")
     titles = ("(a) parts, bicubic elements", "(b) whole solves", "(c) peak memory")
     for ax, title, unit in zip(axes, titles, ("CPU time (s)", "CPU time (s)", "memory (MB)"), strict=True):
-        ax.set(title=title, xlabel="unknowns", ylabel=unit)
+        ax.set(title=title, xlabel="unknowns (–)", ylabel=unit)
         if ax.lines:
             ax.legend(fontsize=6.5)
 

@@ -84,6 +84,8 @@ def _apart(ax: Axes, pulls: np.ndarray, both: Sequence[Sequence[Both]]) -> None:
         )
     if both:
         ax.set_xticks(np.arange(len(both[0])), [one.quantity.name for one in both[0]])
+    ax.set_xlabel("measure (–)")
+    ax.set_ylabel("difference (–)")
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -1.4), max(high, 1.4))
     if wrinkled:
@@ -108,7 +110,7 @@ def profiles(fig: FigureBase, runs: Mapping[float, tuple[Stored | None, Stored |
         if not ax.lines:
             unavailable(ax, ax.get_title(), pair[0])
         ax.set_xlabel("$X$ (mm)")
-    axes[0].set_ylabel("height $z$ (mm)")
+        ax.set_ylabel("height $z$ (mm)")
     handles, labels = axes[0].get_legend_handles_labels()
     if handles:
         fig.legend(handles, labels, loc="outside lower center", ncols=2, title="thick: envelopes")
@@ -136,7 +138,7 @@ def convergence(
             unavailable(ax, ax.get_title(), None)
             continue
         ax.axhline(ASKED, color="#777777", linewidth=0.8, linestyle=(0, (4, 3)))
-        ax.set_xlabel("nodes of the whole sheet")
+        ax.set_xlabel("nodes of the whole sheet (–)")
     axes[0].set_ylabel("distance from the limit (%)")
     drawn = [ax for ax in axes if ax.lines]
     if drawn:
@@ -170,8 +172,8 @@ def lift(
         right.axhspan(
             limit.value - limit.band, limit.value + limit.band, color=colour(GRID), alpha=0.18, linewidth=0
         )
-    left.set(title="(a) total energy", ylabel="relative distance from the membrane (–)", xlabel="nodes")
-    right.set(title="(b) bending energy", ylabel="bending energy (N mm)", xlabel="nodes")
+    left.set(title="(a) total energy", ylabel="relative distance from the membrane (–)", xlabel="nodes (–)")
+    right.set(title="(b) bending energy", ylabel="bending energy (N mm)", xlabel="nodes (–)")
     right.margins(y=0.25)
     for ax in (left, right):
         if ax.get_legend_handles_labels()[0]:

@@ -15,7 +15,7 @@ from reports.style import METHOD_COLOURS, method_name
 from tests.reports.conftest import REFUSED
 
 # a scale ends with its unit in parentheses; the dash is that of a number without one
-UNIT = re.compile(r"\((mm|MPa|N|N mm|%|degrees|–|mm\$\^2\$)\)$")
+UNIT = re.compile(r"\((mm|MPa|N|N[ \xa0]mm|%|degrees|–|mm\$\^2\$)\)$")
 DRAWN = 15  # figures of the full set of scenes, at least
 
 
