@@ -31,7 +31,9 @@ from fdsolver.result import Solution
 from fdsolver.stability import PLANAR, examine
 
 SMALL = 1e-3  # relative change of a reported quantity that counts as none
-NEGLIGIBLE = 5e-4  # share of the energy, half of SMALL: where all is tense bending changes forces by as much as energies
+NEGLIGIBLE = (
+    5e-4  # share of the energy, half of SMALL: where all is tense, bending changes forces as much as energies
+)
 # Change of energies and forces when an effect is put back on the result, relative: the state then follows, and full
 # runs found quantities that changed by up to four times as much.
 PUT_BACK = 2e-4

@@ -38,8 +38,8 @@ class Comparison:
         not run; "appearance" -> why the strain at which wrinkles appear was not found.
     table : one row per method. differences : one row per quantity and method, with its unit, the value, the
         reference's value and the difference (of fields along paths: the relative L2 and the largest
-        difference, slack places masked). Wrinkles by finite elements, and the strain at which they appear, are also held
-        against those by finite differences, with the error estimates of both.
+        difference, slack places masked). Wrinkles by finite elements, and the strain at which they appear, are also
+        held against those by finite differences, with the error estimates of both.
     """
 
     reference: str

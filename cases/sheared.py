@@ -71,7 +71,7 @@ def shear_measures(solution: Solution, line: Line) -> ShearMeasures:
 
 
 def with_bands(meshes: dict[int, ShearMeasures], seeds: list[ShearMeasures]) -> pd.DataFrame:
-    """One row per measure: value on the finest mesh, limit and band of the mesh sequence, range over the seeds and both.
+    """One row per measure: value on the finest mesh, limit and band of the meshes, range over the seeds and both.
 
     meshes : nodes -> measures, three or more. seeds : of states on one mesh from several random starts.
     Columns: measure, finest, limit, band, order, refused (why there is no limit; the band is then the range of the last

@@ -72,7 +72,7 @@ def _ladder() -> list[ReportRun]:
 def report_runs(full: bool = False, scenes: Sequence[str] | None = None) -> list[ReportRun]:
     """Return the runs of the quick or full report, of the named scenes only (None: of all).
 
-    Cheap runs come first: if the report's time is used up, it is the long ones that are cut short.
+    Cheap runs and those of the paper's figures come first: if the report's time is used up, others are cut short.
 
     Raises ValueError for a scene that the report does not have.
     """
@@ -82,9 +82,9 @@ def report_runs(full: bool = False, scenes: Sequence[str] | None = None) -> list
         *_hole(),
         *_ladder(),
         *buckling_runs(),
-        *postbuckling_runs(),
         *_annulus(),
         *shear_runs(),
+        *postbuckling_runs(),
     ]
     known = {run.scene for run in runs}
     unknown = [scene for scene in scenes or () if scene not in known]
