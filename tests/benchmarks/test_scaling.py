@@ -18,7 +18,9 @@ ELEMENTS = ("buckling", "postbuckling")
 def test_growth_with_the_mesh(verify, method):
     """Time and memory of the stretched sheet against nodes, one thread"""
     rows, counts = [], NODES if method in ENGINE else VERTICES
-    solved(verify, f"scaling-{method}-first", method, counts[0], {})  # compiles, which takes memory of its own
+    solved(
+        verify, f"scaling-{method}-first", method, counts[0], {}
+    )  # compiles, which takes memory of its own
     for count in counts:
         if (seconds := foreseen(rows, count)) > MOST_SECONDS:
             verify.note(f"{count} nodes: left out, for it would take", seconds, "s")
