@@ -36,6 +36,10 @@ OUTCOMES = (RIGHT, FAILED, CRASHED, WRONG)
 MARGIN = 0.01  # of a required value: elements instead of zones, a solid instead of a plate
 SAME_ENERGY = {True: 0.05, False: 0.01}  # plate (its edges held by lines of a solid), membrane
 SLACK_LEFT = 1e-5  # part of the unrelaxed energy that the peer's slack zones keep
+AFFINE = "largest distance from the affine map / width"
+NEAR = (
+    1e-4  # such a distance: Newton's method stops by its forces, and cells of 1:100 are soft in one direction
+)
 NOT_ASKED = ("shown stable", "bending energy, N mm", "sum of reactions / pull")  # what it has no word for
 NO_TIME_STEP = "time step"  # family that means nothing to Newton's method
 
@@ -149,6 +153,7 @@ def widened(requirement: Requirement) -> Requirement:
     """The requirement with the margin of another discretisation."""
     ends = [abs(end) for end in (requirement.low, requirement.high) if np.isfinite(end)]
     margin = MARGIN * max(ends) + SLACK_LEFT * (0.0 < max(ends) < 1.0)
+    margin = NEAR if requirement.quantity == AFFINE else margin
     return dataclasses.replace(requirement, low=requirement.low - margin, high=requirement.high + margin)
 
 

@@ -85,3 +85,11 @@ def test_requirements_are_widened_by_one_percent(
 ) -> None:
     wide = hard_peer.widened(Requirement("q", 0.0, low, high))
     assert (wide.low, wide.high) == pytest.approx(wanted, rel=1e-12)
+
+
+def test_the_affine_map_may_be_missed_by_what_newtons_method_leaves() -> None:
+    (affine,) = (case for case in hard_cases() if case.name == "few-cells-tension-field")
+    names = {item.quantity for item in affine.find().requirements}
+    assert hard_peer.AFFINE in names
+    wide = hard_peer.widened(Requirement(hard_peer.AFFINE, 0.0, 0.0, 1e-7))
+    assert wide.high == pytest.approx(1e-4, rel=1e-2)
