@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from cases import appearance, cross_check, load_scene
+from cases import appearance, cross_check, load_scene, run
 from cases.appearance import Appearance, by_modes, by_relaxation, loaded, worth_searching
 
 ROOT, FACTOR = 0.277, 0.25  # multiples of the scene's load; of the made-up flat sheet and of its modes
@@ -94,3 +95,13 @@ def test_why_the_appearance_was_not_found_is_said(monkeypatch: pytest.MonkeyPatc
         [],
         "the flat state keeps its stability",
     )
+
+
+def test_a_plate_read_from_its_folder_is_solved_again_for_its_errors() -> None:
+    """A folder keeps the finest mesh alone; without coarser ones there is no estimate to set beside the elements'."""
+    scene = load_scene("stretch")
+    nested = run(scene, "koiter", nodes=5000)
+    assert nested.coarser and cross_check._with_coarser(scene, nested) is nested
+    again = cross_check._with_coarser(scene, replace(nested, coarser=()))
+    assert again.coarser and again.grid.nodes == nested.grid.nodes
+    assert again.energy_N_mm["total"] == pytest.approx(nested.energy_N_mm["total"], rel=1e-12)
