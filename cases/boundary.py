@@ -14,6 +14,7 @@ from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.model import Model
 from fdsolver.problem import Problem
+from fdsolver.relax import Settings
 from fdsolver.symmetry import Symmetry
 
 
@@ -104,3 +105,20 @@ def _initial(scene: Scene) -> tuple[Grid, np.ndarray] | None:
             f"The result in {source} is one of finite elements; a run starts from a structured mesh."
         )
     return solution.grid, solution.r
+
+
+def settings_of(scene: Scene, tolerance: float, threads: int = 1) -> Settings:
+    """How a scene asks to be relaxed. tolerance : that of the scene, or of the method where the scene has none."""
+    solver = scene.solver
+    return Settings(
+        tolerance=tolerance,
+        damping=solver.damping,
+        mass=solver.mass,
+        levels=solver.levels,
+        thicken=solver.thicken,
+        finish=solver.finish,
+        max_steps=solver.max_steps,
+        max_seconds=solver.max_seconds,
+        threads=threads,
+        snapshots=solver.snapshots,
+    )

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from cases import effects
-from cases.boundary import grid_of, problem_of, sheet_of
+from cases.boundary import grid_of, problem_of, settings_of, sheet_of
 from cases.schema import Effects, Scene
 from cases.survey import tension_length_mm
 from cases.unstructured import AnySolution
 from fdsolver.checkpoint import Checkpoint
 from fdsolver.model import KOITER, MEMBRANE, Model
-from fdsolver.relax import Progress, Settings
+from fdsolver.relax import Progress
 from fdsolver.result import Solution
 
 
@@ -185,20 +185,9 @@ def why_unfit(scene: Scene, name: str) -> str | None:
 def _relaxed_by(model: Model, task: Task) -> Solution:
     from fdsolver.multilevel import solve
 
-    solver = task.scene.solver
-    assert solver.tolerance is not None, "the runner resolves the tolerance"
-    settings = Settings(
-        tolerance=solver.tolerance,
-        damping=solver.damping,
-        mass=solver.mass,
-        levels=solver.levels,
-        thicken=solver.thicken,
-        finish=solver.finish,
-        max_steps=solver.max_steps,
-        max_seconds=solver.max_seconds,
-        threads=task.threads,
-        snapshots=solver.snapshots,
-    )
+    tolerance = task.scene.solver.tolerance
+    assert tolerance is not None, "the runner resolves the tolerance"
+    settings = settings_of(task.scene, tolerance, task.threads)
     problem = problem_of(task.scene, model, task.seed)
     return solve(problem, model, settings, progress=task.progress, checkpoint=task.checkpoint)
 

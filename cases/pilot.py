@@ -11,13 +11,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from cases.boundary import problem_of
+from cases.boundary import problem_of, settings_of
 from cases.schema import Scene
 from cases.survey import loads_in_plane
 from fdsolver.finish import MOST_RELAXED
 from fdsolver.model import Model
 from fdsolver.multilevel import level_nodes, solve
-from fdsolver.relax import Settings
 from fdsolver.result import Status
 
 NODES = 5000  # of the pilot's fine mesh, a quarter on its coarse one
@@ -26,8 +25,6 @@ MOST_SECONDS = 20.0
 # Steps per square root of the nodes, over those on a mesh with a quarter of the nodes: plates 0.6 to 1.1, relaxed
 # membranes 0.7 to 1.2 on meshes from 5 000 to 80 000 nodes.
 FINER = 0.8
-
-
 # CPU seconds per node that the tangent of a flat state and its lowest eigenvalue take (4 000 to 40 000 nodes)
 EXAMINED = 3e-5
 
@@ -81,15 +78,13 @@ def pilot(scene: Scene, model: Model, tolerance: float, node_seconds: float) -> 
     coarse = replace(scene, mesh=scene.mesh.model_copy(update={"nodes": nodes}))
     solver = scene.solver
     finishes = solver.finish != "off" and (not model.relaxed or scene.mesh.nodes <= MOST_RELAXED)
-    settings = Settings(
-        tolerance=tolerance,
-        damping=solver.damping,
-        mass=solver.mass,
+    settings = replace(
+        settings_of(scene, tolerance),
         levels=len(level_nodes(nodes, None)) if solver.levels is None else min(solver.levels, 2),
-        thicken=solver.thicken,
         finish=solver.finish if finishes else "off",
         max_steps=MOST_STEPS,
         max_seconds=MOST_SECONDS,
+        snapshots=0,
     )
     solution = solve(problem_of(coarse, model, seed=0), model, settings)
     levels = tuple(

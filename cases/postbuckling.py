@@ -27,7 +27,7 @@ from fdsolver.result import Status
 
 if TYPE_CHECKING:
     from femref.newton import Outcome
-    from femref.postbuckle import Postbuckled
+    from femref.postbuckle import Postbuckled, SheetProblem
 
 # A slide of the wrinkles under their envelope costs next to nothing. Its eigenvalue is what the mesh makes of zero,
 # 1e-3 of the flat sheet's most negative one on coarse meshes; the next one is a tenth of it. Below this it is neutral.
@@ -69,20 +69,11 @@ def solve_postbuckling(
     `postbuckling_scene.unfit` names.
     """
     from femref.newton import NewtonSettings
-    from femref.postbuckle import SheetProblem, solve
+    from femref.postbuckle import solve
 
     started, started_cpu = time.perf_counter(), time.process_time()
     vertices = scene.mesh.vertices or default_vertices(scene)
-    mirrors = mirrors_of(scene)
-    problem = SheetProblem(
-        mesh_of(scene, vertices, mirrors),
-        scene.material.young_MPa,
-        scene.material.poisson,
-        scene.sheet.thickness_mm,
-        supports_of(scene, mirrors),
-        mirrors,
-        mode_of(scene),
-    )
+    problem = sheet_problem(scene, vertices)
     clock = Clock(scene, progress, started, vertices)
     assert scene.solver.tolerance is not None, "the runner resolves the tolerance"
     settings = NewtonSettings(
@@ -100,6 +91,22 @@ def solve_postbuckling(
         cpu_seconds=time.process_time() - started_cpu,
         threads=threads,
         seed=seed,
+    )
+
+
+def sheet_problem(scene: Scene, vertices: int) -> SheetProblem:
+    """The scene on a mesh of about so many vertices, or the part of it that its symmetry leaves."""
+    from femref.postbuckle import SheetProblem
+
+    mirrors = mirrors_of(scene)
+    return SheetProblem(
+        mesh_of(scene, vertices, mirrors),
+        scene.material.young_MPa,
+        scene.material.poisson,
+        scene.sheet.thickness_mm,
+        supports_of(scene, mirrors),
+        mirrors,
+        mode_of(scene),
     )
 
 

@@ -7,6 +7,7 @@ import os
 import time
 from pathlib import Path
 
+from fdsolver.checkpoint import StorageError, make_folder, write_atomically
 from fdsolver.meshes import annulus
 from fdsolver.model import Model
 
@@ -46,9 +47,7 @@ def _read(path: Path) -> dict[str, float]:
 def _write(path: Path, rates: dict[str, float]) -> None:
     """Keep the rates; a cache that cannot be written is measured again next time."""
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        new = path.with_suffix(f".{os.getpid()}")
-        new.write_text(json.dumps(rates), encoding="utf-8")
-        new.replace(path)
-    except OSError:
+        make_folder(path.parent)
+        write_atomically(path, lambda file: file.write(json.dumps(rates).encode()))
+    except StorageError:
         return

@@ -89,7 +89,7 @@ def divided(p, v):
 @compiled
 def longest(a, change):
     """Largest share of a change that leaves a positive semidefinite; infinite where none is too much."""
-    d = a[0] * a[1] - a[2] * a[2]
+    d = determinant(a)
     trace = (a[1] * change[0] + a[0] * change[1] - 2.0 * a[2] * change[2]) / d
     product = (change[0] * change[1] - change[2] * change[2]) / d
     least = 0.5 * trace - np.sqrt(max(0.25 * trace * trace - product, 0.0))

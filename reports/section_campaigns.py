@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -11,6 +10,7 @@ from typing import Any
 
 from reports import figures_campaigns as figures
 from reports.content import Block, Drawing, Section, Table, Text
+from reports.measured import read_document
 from reports.style import number, whole
 
 Row = Mapping[str, Any]
@@ -30,10 +30,7 @@ def build(folder: Path) -> Section:
 
 def read_rows(path: Path) -> list[Row]:
     """The rows that a campaign left; none if there is no such file, or one that a campaign was still writing."""
-    try:
-        return list(json.loads(path.read_text(encoding="utf-8")))
-    except (FileNotFoundError, ValueError):
-        return []
+    return list(read_document(path) or [])
 
 
 def mutant_words(rows: Sequence[Row]) -> str:

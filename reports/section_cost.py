@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -11,6 +10,7 @@ from typing import Any
 
 from reports import figures_cost as figures
 from reports.content import Block, Drawing, Section, Table, Text
+from reports.measured import read_document
 from reports.style import number, whole
 
 DRAWN = 2  # quantities per scene; the table has the best runs of these
@@ -31,13 +31,11 @@ Document = Mapping[str, Any]
 
 def read_costs(folder: Path) -> dict[str, Document]:
     """Scene -> cost.json of every `SCENE-cost` in a folder; a damaged one is left out."""
-    found = {}
+    found: dict[str, Document] = {}
     for path in sorted(folder.glob("*-cost/cost.json")):
-        try:
-            document = json.loads(path.read_text(encoding="utf-8"))
+        document = read_document(path)
+        if isinstance(document, dict) and "scene" in document:
             found[str(document["scene"])] = document
-        except (OSError, ValueError, KeyError, TypeError):
-            continue
     return found
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -12,6 +11,7 @@ from typing import Any
 from reports import effects_tables as tables
 from reports import figures_effects as figures
 from reports.content import Block, Drawing, Section, Text
+from reports.measured import read_document
 from reports.stored import Stored
 from reports.style import number
 
@@ -23,10 +23,8 @@ def read_effects(folder: Path) -> dict[str, list[Row]]:
     """What the verification runs left in `effects/*.json` of their folder, by file name; damaged files are left out."""
     found = {}
     for path in sorted((folder / "effects").glob("*.json")):
-        try:
-            found[path.stem] = list(json.loads(path.read_text(encoding="utf-8")))
-        except (OSError, ValueError, TypeError):
-            continue
+        if isinstance(rows := read_document(path), list):
+            found[path.stem] = rows
     return found
 
 
@@ -35,10 +33,7 @@ def read_kinematics(folder: Path) -> dict[str, list[tuple[float, float, float]]]
     curves: dict[str, list[tuple[float, float, float]]] = {}
     for path in folder.glob("effects-*/result.json"):
         found = re.fullmatch(r"effects-(finite|moderate)-(\d+)", path.parent.name)
-        try:
-            document = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue
+        document = read_document(path) or {}
         if found is not None and document.get("status") == "converged":
             height = float(document["out_of_plane_mm"]["max_abs"])
             point = (float(found[2]), height, float(document["reactions"]["top"]["force_N"][1]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 
 from reports import figures_estimates as figures
 from reports.content import Block, Drawing, Section, Table, Text
+from reports.measured import read_document
 from reports.style import number, whole
 
 FILE = "error-coverage.json"
@@ -19,8 +19,7 @@ Coverage = Mapping[str, Any]
 
 def read_coverage(folder: Path) -> Coverage | None:
     """What the benchmark of the error estimates left; None if it was not run."""
-    path = folder / FILE
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    return read_document(folder / FILE)
 
 
 def build(coverage: Coverage | None) -> Section:

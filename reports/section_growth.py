@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from reports import figures_growth as figures
 from reports.content import Block, Drawing, Section, Table, Text
+from reports.measured import read_document
 from reports.style import method_name, number, whole
 
 FILE = "growth.json"
@@ -18,8 +18,7 @@ Found = Mapping[str, Mapping[str, Any]]
 
 def read_growth(folder: Path) -> Found:
     """What the benchmarks of scaling and of the roads left; empty if they were not run."""
-    path = folder / FILE
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    return read_document(folder / FILE) or {}
 
 
 def build(found: Found) -> Section:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -13,6 +12,7 @@ from cases.hard import AS_EXPECTED, VERDICTS
 from reports import figures_hard
 from reports.content import Block, Drawing, Section, Table, Text
 from reports.figures_hard import NAMED, PEER_COLOURS, Case
+from reports.measured import read_document
 from reports.style import number, whole
 
 PEER_FILE = "hard_peer.json"
@@ -21,11 +21,8 @@ Peer = Mapping[str, Case]
 
 def read_peer(folder: Path) -> Peer:
     """How another code ended on the cases, by their names; empty if it was not asked."""
-    try:
-        rows = json.loads((folder / PEER_FILE).read_text(encoding="utf-8"))["rows"]
-        return {row["name"]: row for row in rows}
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}
+    document = read_document(folder / PEER_FILE)
+    return {row["name"]: row for row in document["rows"]} if document else {}
 
 
 def build(rows: Sequence[Case], peer: Peer | None = None) -> Section:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -11,6 +10,7 @@ from typing import Any
 
 from reports import figures_peers as figures
 from reports.content import Block, Drawing, Section, Table, Text
+from reports.measured import read_document
 from reports.style import number, whole
 
 FILE, OWN = "peers.json", "wrinklebench"
@@ -27,8 +27,7 @@ Document = Mapping[str, Any]
 
 def read_peers(folder: Path) -> Document | None:
     """The comparison, or None if it was not made."""
-    path = folder / FILE
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+    return read_document(folder / FILE)
 
 
 def build(document: Document | None) -> Section:

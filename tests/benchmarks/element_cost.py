@@ -14,14 +14,12 @@ from scipy.sparse import csc_array
 from cases import load_scene, run
 from cases.finite_elements import plate_material, sheet_mesh, supports_of
 from cases.machine import peak_memory_MB
-from cases.postbuckling_scene import mesh_of, mirrors_of
-from cases.postbuckling_scene import supports_of as bicubic_supports
+from cases.postbuckling import sheet_problem
 from femref.bicubic import flat
 from femref.direct import using
 from femref.inertia import factorise
 from femref.newton import free_hessian
 from femref.plate_matrices import PlateSpace, bending_stiffness
-from femref.postbuckle import SheetProblem
 
 SCENE = "stretch"
 SMALL = 400  # vertices of a first run, which compiles
@@ -36,16 +34,7 @@ def buckling_matrix(vertices: int) -> csc_array:
 
 def postbuckling_matrix(vertices: int) -> csc_array:
     """Hessian of the unstrained quarter strip by bicubic elements."""
-    scene = load_scene(SCENE)
-    mirrors = mirrors_of(scene)
-    problem = SheetProblem(
-        mesh_of(scene, vertices, mirrors),
-        scene.material.young_MPa,
-        scene.material.poisson,
-        scene.sheet.thickness_mm,
-        bicubic_supports(scene, mirrors),
-        mirrors,
-    )
+    problem = sheet_problem(load_scene(SCENE), vertices)
     return free_hessian(problem.energy(), flat(problem.mesh), ~problem.held())
 
 
