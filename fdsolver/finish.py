@@ -23,7 +23,7 @@ from fdsolver.dissection import dissect
 from fdsolver.effects import Force
 from fdsolver.level import Level
 from fdsolver.relax import Settings, State, relax
-from fdsolver.residual import residual
+from fdsolver.residual import residual, wanted
 from fdsolver.result import Status
 from fdsolver.tangent import Tangent, reach_of, tangent
 from fdsolver.taut import follow
@@ -174,7 +174,7 @@ def _descend(
     energy, f = place(state.r)
     pairs: list[tuple[np.ndarray, np.ndarray, float]] = []
     for _ in range(REFACTOR):
-        if state.residual < settings.tolerance:
+        if state.residual < state.wanted:
             return Status.CONVERGED
         p = _direction(metric, pairs, f)
         found = _along(place, state.r, p, energy, f)
@@ -189,6 +189,7 @@ def _descend(
         state.r[list(axes)] += share * p
         f = new
         _record(state, energy, residual(place.force, level.weight))
+        state.wanted = wanted(settings.tolerance, energy, level.weight)
         if on_step is not None:
             on_step(state)
     return None

@@ -229,12 +229,12 @@ def _watcher(
     def watch(state: State) -> None:
         nonlocal saved
         clock.charge(run)
-        run.trail.look(level, state, settings.tolerance)
+        run.trail.look(level, state)
         recorder.look(run.level, before, level, state)
         if progress is not None:
             rate = state.step / state.seconds if state.seconds > 0.0 else 0.0
             place = (run.level + 1, levels, level.grid.nodes, state.step)
-            progress(Progress(*place, state.residual, settings.tolerance, rate, run.seconds))
+            progress(Progress(*place, state.residual, state.wanted, rate, run.seconds))
         # an attempt to finish begins anew when it is resumed, so a state on its way is none to go on from
         finishing = state.history[-1][-1] == FINISHED
         if checkpoint is not None and not finishing and time.monotonic() - saved > SAVE_SECONDS:

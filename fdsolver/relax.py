@@ -20,7 +20,7 @@ import numpy as np
 from fdsolver import damping
 from fdsolver.effects import Force
 from fdsolver.mass import invert, nodal_masses
-from fdsolver.residual import residual
+from fdsolver.residual import residual, wanted
 from fdsolver.result import Status
 
 BLOCK = 10  # steps between two looks at residual and energy
@@ -42,7 +42,8 @@ Evaluate = Callable[
 class Settings:
     """How to relax.
 
-    tolerance : residual at which a state counts as converged.
+    tolerance : residual at which a state counts as converged; that of a sheet that bears compression has to be smaller
+        under small loads (see `residual.wanted`).
     damping : "adaptive" (viscous, from the Rayleigh quotient), "kinetic", "kinetic-published" [72-73] or "viscous".
     mass : "nodal", "isotropic" or "uniform" (see `mass.nodal_masses`).
     levels : number of nested meshes; None chooses.
@@ -108,6 +109,7 @@ class State:
     growths: int = 0
     finish_at: int = 200  # step at which relaxation pauses for an attempt to finish
     residual: float = np.inf
+    wanted: float = 0.0  # residual below which it is at rest
     seconds: float = 0.0
     history: list[tuple[float, ...]] = field(default_factory=list)  # step, energy, kinetic, residual, restart
 
@@ -178,7 +180,7 @@ def relax(
     try:
         while True:
             kept, started = _keep(state), time.perf_counter()
-            status = _look(evaluate, weight, state, settings, f)
+            status = _look(evaluate, weight, state, settings, f, force.relaxed)
             masses_due = (len(state.history) - 1) % MASS_EVERY == 0
             if masses_due and status in (None, Status.CONVERGED):
                 _set_masses(force, free, state, settings.mass)
@@ -235,7 +237,7 @@ def _keep(state: State) -> dict:
 
 
 def _look(
-    force: Evaluate, weight: np.ndarray, state: State, settings: Settings, f: np.ndarray
+    force: Evaluate, weight: np.ndarray, state: State, settings: Settings, f: np.ndarray, relaxed: bool
 ) -> Status | None:
     """Evaluate the force, record the state, and decide: end (a Status), go back with heavier masses, or go on."""
     energy = float(force(state.r, f).sum())
@@ -251,7 +253,8 @@ def _look(
         return _recover(force, weight, state, f, finite)
     state.total_energy = energy + kinetic
     state.safe[:] = state.r
-    if state.residual < settings.tolerance:
+    state.wanted = settings.tolerance if relaxed else wanted(settings.tolerance, energy, weight)
+    if state.residual < state.wanted:
         return Status.CONVERGED
     if state.residual < 0.9 * state.best_residual:
         state.best_residual, state.best_step = state.residual, state.step

@@ -1,10 +1,27 @@
-"""How far a state is from equilibrium."""
+"""How far a state is from equilibrium, and how near to it is near enough."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from fdsolver.rows import compiled
+
+USUAL_STRAIN = 0.1  # of a sheet under the loads that tolerances are meant for
+ROUNDING = 1e-15  # of a position over the length of the sheet; over a cell, of the residual
+
+
+def wanted(tolerance: float, energy: float, weight: np.ndarray) -> float:
+    """The residual below which a sheet that holds so much energy counts as at rest.
+
+    Forces shrink with the loads. So the tolerance holds for a sheet that is strained by a tenth, and in proportion less
+    is left to one that is strained less: pushed together by 1e-4, plates still had two to seven times their energy at a
+    residual of 1e-6, and waves half as high as those that they were growing.
+    energy : scaled (Y h L^2). weight : (ni, nj) float64, see `residual`.
+    """
+    free = weight[weight > 0.0]
+    strain = np.sqrt(2.0 * max(energy, 0.0) / np.sum(free**-2.0))
+    least = min(tolerance, ROUNDING * float(free.max()))
+    return max(tolerance * min(1.0, float(strain) / USUAL_STRAIN), least)
 
 
 def residual(f: np.ndarray, weight: np.ndarray) -> float:

@@ -17,7 +17,7 @@ from fdsolver.level import Level
 from fdsolver.relax import State, residual
 from fdsolver.result import Solution
 
-EARLY = 30.0  # times the tolerance: late enough for the slow modes to rule, early enough to have moved since
+EARLY = 30.0  # times the residual wanted: late enough for the slow modes to rule, early enough to have moved since
 
 
 @dataclass
@@ -25,15 +25,15 @@ class Trail:
     """Positions (ni, nj, 3) in mm, of the whole sheet.
 
     coarse : equilibria of the finished meshes, coarsest first. early : the first state of the present mesh with a
-    residual below `EARLY` times the tolerance; None before.
+    residual below `EARLY` times the one wanted; None before.
     """
 
     coarse: list[np.ndarray] = field(default_factory=list)
     early: np.ndarray | None = None
 
-    def look(self, level: Level, state: State, tolerance: float) -> None:
+    def look(self, level: Level, state: State) -> None:
         """Keep the state if it is the early one; forget an old one after a jump away from equilibrium."""
-        if state.residual > EARLY * tolerance:
+        if state.residual > EARLY * state.wanted:
             self.early = None
         elif self.early is None:
             self.early = level.unscaled(state.r)
