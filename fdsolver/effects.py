@@ -75,7 +75,7 @@ class Force:
         r, f : (components, ni, nj) float64, C-contiguous. The energies are summed by rows in order: same bits for any
         number of threads.
         """
-        threads = self.scratch.shape[0]
+        threads = self.threads
         mesh = (self.zone.reshape(-1), self.row_energy, self.rows, self.columns, self.closed)
         place = (0, self.rows, self.scratch[0]) if threads == 1 else (self.scratch,)
         evaluate = self.kernel.band if threads == 1 else self.kernel.bands
@@ -88,6 +88,11 @@ class Force:
         return self.row_energy.sum(axis=1)
 
     @property
+    def threads(self) -> int:
+        """Bands of rows that run side by side."""
+        return self.scratch.shape[0]
+
+    @property
     def local(self) -> bool:
         """Whether the force on a node depends on nodes a few mesh lines away only."""
         return True
@@ -95,8 +100,11 @@ class Force:
     def fold_stiffness(self, stiffness: np.ndarray) -> None:
         """Give the stiffness bounds of ghost nodes to the nodes that they follow; there are none here."""
 
-    def hold(self, inverse_mass: np.ndarray) -> None:
-        """Let components that a line of symmetry holds never move; there are none here."""
+    def hold(self, field: np.ndarray) -> None:
+        """Put zero where a line of symmetry holds a component of a field (components, ni, nj); it holds none here."""
+
+    def complete(self, field: np.ndarray) -> None:
+        """Put the images of a field (components, ni, nj) on the ghost nodes of a symmetry; there are none here."""
 
 
 def build_force(

@@ -22,6 +22,7 @@ from fdsolver.cholesky import Cholesky, NotPositiveDefinite, Pattern
 from fdsolver.dissection import dissect
 from fdsolver.effects import Force
 from fdsolver.level import Level
+from fdsolver.reduced import mirrored_part
 from fdsolver.relax import Settings, State, relax
 from fdsolver.residual import residual, wanted
 from fdsolver.result import Status
@@ -31,7 +32,9 @@ from fdsolver.taut import follow
 SHIFT = 1e-8  # part of the diagonal added to the metric
 MOST_RELAXED = 200_000  # nodes of a relaxed membrane up to which finishing is tried unasked
 HARD = 500  # steps of a relaxed membrane before the first look at how fast it comes to rest
-WORTH = 5000  # steps of a relaxed membrane that take about as long as finishing it
+WORTH = (
+    5000  # steps of a relaxed membrane that take about as long as finishing it; of a quarter of it, a quarter
+)
 PATIENCE = 3  # the steps before an attempt over those before the one that failed
 MEMORY = 20  # pairs of L-BFGS
 REFACTOR = 25  # iterations with one factor
@@ -53,8 +56,10 @@ def suits(level: Level, settings: Settings) -> bool:
     if level.examined is not level.force:
         return False  # the force is no gradient: no tangent is symmetric
     model = level.model
-    if type(level.force) is not Force or (model.relaxed and (model.bending or model.moderate)):
-        return False  # a part of a symmetric sheet, or a law that the finisher does not know
+    if model.relaxed and (model.bending or model.moderate):
+        return False  # a law that the finisher does not know
+    if type(level.force) is not Force and not (model.relaxed and level.force.local):
+        return False  # a sector, or a part of a plate
     if settings.finish == "on":
         return model.relaxed or model.bending
     return model.relaxed and level.grid.nodes <= MOST_RELAXED
@@ -70,6 +75,7 @@ def relax_or_finish(
     place = (level.force, ~level.fixed, level.weight, state)
     if not suits(level, settings):
         return relax(*place, settings, on_block, level.project)
+    part = None
     while True:
         asked = level.model.bending or settings.finish == "on"
         due = state.finish_at if asked else max(state.finish_at, HARD)
@@ -77,10 +83,12 @@ def relax_or_finish(
         status = relax(*place, pause, on_block, level.project)
         if status is not Status.STEP_LIMIT or state.step >= settings.max_steps:
             return status
-        if not asked and steps_left(state, settings.tolerance) < WORTH:
+        part = part or (mirrored_part(level) if level.model.relaxed else level)
+        worth = WORTH * part.fixed.size / level.fixed.size
+        if not asked and steps_left(state, settings.tolerance) < worth:
             state.finish_at = 2 * state.step
             continue
-        if (finished := finish(level, state, settings, on_block)) is not None:
+        if (finished := finish(level, part, state, settings, on_block)) is not None:
             return finished
         state.finish_at = PATIENCE * state.step
 
@@ -118,10 +126,15 @@ class Metric:
 
 
 def finish(
-    level: Level, state: State, settings: Settings, on_step: Callable[[State], None] | None = None
+    level: Level,
+    part: Level,
+    state: State,
+    settings: Settings,
+    on_step: Callable[[State], None] | None = None,
 ) -> Status | None:
     """Take `state` to its equilibrium in place; None where that fails and relaxation has to go on.
 
+    part : what is factorised, the level itself or a part that its mirror images repeat.
     on_step : called after every iteration. On KeyboardInterrupt INTERRUPTED is returned and the state is as before.
     Each iteration counts as a step, and all evaluations of the force are counted, those of the tangent too.
     """
@@ -129,22 +142,16 @@ def finish(
     kept = {**vars(state), "r": state.r.copy(), "v": state.v.copy(), "history": list(state.history)}
     started, seconds = time.perf_counter(), state.seconds
     axes = axes_of(level, state.r)
-    ordering = dissect(~level.fixed, reach_of(level.force), level.force.closed)
+    ordering = dissect(~part.fixed, reach_of(part.force), part.force.closed)
     if ordering.entries * len(axes) ** 2 > LARGEST_FACTOR:
         return None
     try:
         # One thread: the same bits whatever the machine is busy with, and no waiting for cores that others use.
         with threadpool_limits(1, user_api="blas"):
             state.v[:] = 0.0
-            pattern = Pattern(ordering, level.force.closed, len(axes))
+            pattern = Pattern(ordering, part.force.closed, len(axes))
             if level.model.relaxed:
-
-                def record(state: State, energy: float, size: float) -> None:
-                    _record(state, energy, size)
-                    if on_step is not None:
-                        on_step(state)
-
-                return follow(level, state, settings, pattern, record)
+                return _follow(level, part, state, settings.tolerance, pattern, on_step)
             for _ in range(MOST_ITERATIONS // REFACTOR):
                 metric = Metric(level, pattern, state.r, axes)
                 state.evaluations += metric.evaluations
@@ -159,6 +166,36 @@ def finish(
     finally:
         state.seconds = seconds + time.perf_counter() - started
     return None
+
+
+def _follow(
+    level: Level,
+    part: Level,
+    state: State,
+    tolerance: float,
+    pattern: Pattern,
+    on_step: Callable[[State], None] | None,
+) -> Status | None:
+    """Take a relaxed membrane to its equilibrium by the part of it that its mirror images repeat.
+
+    Nothing is assumed by that: the energy is convex, so an equilibrium of the whole sheet is the answer, and whether
+    that of the part is one, the force on the whole sheet tells.
+    """
+    r = state.r if part is level else part.scaled(level.unscaled(state.r))
+
+    def record(energy: float, size: float, evaluations: int) -> None:
+        if part is not level:
+            state.r[:] = np.where(level.fixed, state.r, level.scaled(part.unscaled(r)))
+        state.evaluations += evaluations
+        _record(state, energy * part.energy_unit / level.energy_unit, size)
+        if on_step is not None:
+            on_step(state)
+
+    if not follow(part, r, tolerance, pattern, record):
+        return None
+    f = np.zeros_like(state.r)
+    level.force(state.r, f)
+    return Status.CONVERGED if residual(f, level.weight) < tolerance else None
 
 
 def _descend(

@@ -13,7 +13,7 @@ from fdsolver.grid import Grid
 from fdsolver.model import Model
 from fdsolver.problem import Problem
 from fdsolver.result import Status
-from fdsolver.start import carried_start, fixed_nodes, perturb, smooth_start
+from fdsolver.start import carried_start, fixed_nodes, held_positions, perturb, smooth_start
 from fdsolver.transfer import prolong
 
 Projection = Callable[[np.ndarray], np.ndarray]
@@ -73,7 +73,7 @@ class Level:
     def start_from(self, coarse: Level, r: np.ndarray) -> np.ndarray:
         """The state r of a coarser level on this mesh, with this mesh's edge positions; (components, ni, nj) scaled."""
         carried = prolong(coarse.unscaled(r) - coarse.flat, coarse.grid, self.grid) + self.flat
-        carried[self.fixed] = smooth_start(self.grid, self.problem.edges)[self.fixed]
+        carried[self.fixed] = held_positions(self.grid, self.problem.edges)[self.fixed]
         return self.scaled(self._perturbed(carried))
 
     def _perturbed(self, r: np.ndarray) -> np.ndarray:

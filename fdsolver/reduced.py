@@ -18,7 +18,7 @@ from fdsolver.plate_linear import stiffness_bound
 from fdsolver.problem import Problem
 from fdsolver.relax import State, residual
 from fdsolver.rows import compiled
-from fdsolver.symmetry import Reduction, reduction, rigid_shift
+from fdsolver.symmetry import Reduction, Symmetry, reduction, refuse_unsymmetric, rigid_shift
 
 MODULI = (
     (0, 1, 2, 3, 4, 5),
@@ -77,7 +77,7 @@ class ReducedForce(Force):
 
     def __call__(self, r: np.ndarray, f: np.ndarray) -> np.ndarray:
         """As `Force`; the ghost lines of r are overwritten. The energies are the part's."""
-        fill(r, self.lines, self.turns)
+        self.complete(r)
         energy = super().__call__(r, f)
         fold(f, self.lines, self.turns, self.held)
         return energy
@@ -87,11 +87,15 @@ class ReducedForce(Force):
         """Whether every ghost line follows a line beside it, as beyond a mirror line."""
         return bool(np.all(np.abs(self.lines[:, 1] - self.lines[:, 2]) <= 2))
 
-    def hold(self, inverse_mass: np.ndarray) -> None:
-        """Let what a mirror line holds never move."""
+    def hold(self, field: np.ndarray) -> None:
+        """Put zero where a mirror line holds a component."""
         for axis, line, component in self.held:
-            if component < self.components:
-                (inverse_mass[component] if axis == 0 else inverse_mass[component].T)[line] = 0.0
+            if component < min(self.components, len(field)):
+                (field[component] if axis == 0 else field[component].T)[line] = 0.0
+
+    def complete(self, field: np.ndarray) -> None:
+        """Put the images of a field on the ghost lines."""
+        fill(field, self.lines, self.turns)
 
     def fold_stiffness(self, stiffness: np.ndarray) -> None:
         """Add the stiffness bounds of ghost nodes to their images, in place; see `mass.nodal_masses`."""
@@ -171,10 +175,8 @@ class ReducedLevel(Level):
     def scaled(self, r: np.ndarray) -> np.ndarray:
         """The engine's positions (components, ni, nj) on the part, of (ni, nj, 3) in mm on the whole mesh."""
         place = super().scaled(self.cut.restrict(r - self.shift))
-        for axis, line, component in self.cut.held:
-            if component < len(place):
-                (place[component] if axis == 0 else place[component].T)[line] = 0.0
-        fill(place, self.force.lines, self.force.turns)
+        self.force.hold(place)
+        self.force.complete(place)
         return place
 
     def unscaled(self, r: np.ndarray) -> np.ndarray:
@@ -196,6 +198,21 @@ class ReducedLevel(Level):
 def level_on(problem: Problem, model: Model, grid: Grid, threads: int) -> Level:
     """The level of a problem on a mesh, reduced where the problem has a symmetry."""
     return (make_level if problem.symmetry is None else ReducedLevel)(problem, model, grid, threads)
+
+
+def mirrored_part(level: Level) -> Level:
+    """The level on a quarter or a half of its sheet, where mesh and loads are mirror images; else the level itself."""
+    problem, grid = level.problem, level.grid
+    if problem.symmetry is not None:
+        return level
+    for reduce in ("quarter", "half-x", "half-y"):
+        symmetry = Symmetry(reduce)
+        try:
+            refuse_unsymmetric(symmetry, problem.edges, grid.shape, grid.length_mm)
+            return ReducedLevel(replace(problem, symmetry=symmetry), level.model, grid, level.force.threads)
+        except ValueError:  # loads or mesh without this symmetry
+            continue
+    return level
 
 
 def on_the_whole(level: Level, r: np.ndarray) -> tuple[Level, np.ndarray]:

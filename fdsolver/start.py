@@ -42,8 +42,26 @@ def smooth_start(grid: Grid, edges: Mapping[str, EdgeCondition]) -> np.ndarray:
     """Positions in which the movements of the supported edges fade harmonically into the sheet.
 
     The growth, the angle and the translation are each harmonic in the reference plane, so a uniform pull starts
-    from an affine state and a twist from a twisted, not a shrunken, sheet. Where two supported edges meet, the first
-    named one decides. Returns (ni, nj, 3) float64, mm.
+    from an affine state and a twist from a twisted, not a shrunken, sheet. Returns (ni, nj, 3) float64, mm.
+    """
+    fixed, given = _movements(grid, edges)
+    parameters = _harmonic(grid, fixed, given) if fixed.any() else given
+    return _moved_by(grid, parameters)
+
+
+def held_positions(grid: Grid, edges: Mapping[str, EdgeCondition]) -> np.ndarray:
+    """Where the edges hold their nodes: (ni, nj, 3) float64, mm, of which the rows of other nodes mean nothing."""
+    return _moved_by(grid, _movements(grid, edges)[1])
+
+
+def _moved_by(grid: Grid, parameters: np.ndarray) -> np.ndarray:
+    return moved(grid.u, parameters[..., 0], parameters[..., 1], parameters[..., 2:])
+
+
+def _movements(grid: Grid, edges: Mapping[str, EdgeCondition]) -> tuple[np.ndarray, np.ndarray]:
+    """The supported nodes (ni, nj), and growth, angle and translation (ni, nj, 5) there, mm and rad.
+
+    Where two supported edges meet, the first named one decides.
     """
     given = np.zeros((grid.ni, grid.nj, 5))
     fixed = np.zeros((grid.ni, grid.nj), dtype=bool)
@@ -55,8 +73,7 @@ def smooth_start(grid: Grid, edges: Mapping[str, EdgeCondition]) -> np.ndarray:
         nodes = (nodes[0][new], nodes[1][new])
         given[nodes] = (condition.grow_mm, np.radians(condition.rotate_deg), *condition.move_mm)
         fixed[nodes] = True
-    parameters = _harmonic(grid, fixed, given) if fixed.any() else given
-    return moved(grid.u, parameters[..., 0], parameters[..., 1], parameters[..., 2:])
+    return fixed, given
 
 
 def carried_start(grid: Grid, edges: Mapping[str, EdgeCondition], source: Grid, r: np.ndarray) -> np.ndarray:
@@ -79,7 +96,7 @@ def carried_start(grid: Grid, edges: Mapping[str, EdgeCondition], source: Grid, 
     fixed = fixed_nodes(grid, edges)
     if not fixed.any():
         return carried
-    missing = np.where(fixed[..., None], smooth_start(grid, edges) - carried, 0.0)
+    missing = np.where(fixed[..., None], held_positions(grid, edges) - carried, 0.0)
     return carried + _harmonic(grid, fixed, missing)
 
 

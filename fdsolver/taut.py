@@ -17,9 +17,7 @@ import numpy as np
 from fdsolver import wrinkling
 from fdsolver.cholesky import Cholesky, NotPositiveDefinite, Pattern
 from fdsolver.level import Level
-from fdsolver.relax import Settings, State
 from fdsolver.residual import residual
-from fdsolver.result import Status
 from fdsolver.tangent import Tangent
 
 FIRST = 1e-4  # m of the first state: stresses of a hundredth count as hardly taut
@@ -30,41 +28,38 @@ CORRECTIONS = 2  # second-order corrections of a step at most; each costs a four
 GAIN = 1.05  # a correction is kept if the step may be longer by this
 LONGEST = 0.05  # largest displacement of a node in one step, L
 SHIFT = 1e-13  # part of the diagonal added to the matrix: rounding
+HELD = 1e30  # stiffness that holds what a mirror line holds
 LARGEST_SHIFT = 1e-8  # beyond, the step is no Newton step any more
 
 
 def follow(
     level: Level,
-    state: State,
-    settings: Settings,
+    r: np.ndarray,
+    tolerance: float,
     pattern: Pattern,
-    record: Callable[[State, float, float], None],
-) -> Status | None:
-    """Take `state` to the equilibrium of the relaxed energy in place: CONVERGED, or None where that fails.
+    record: Callable[[float, float, int], None],
+) -> bool:
+    """Take the positions r (components, ni, nj) to the equilibrium of the relaxed energy in place; False if it fails.
 
-    pattern : of the factors, with 2 unknowns a node where the sheet stays in its plane.
-    record : called with energy and residual before every step.
+    level : of the sheet, or of one part of a mirrored one. pattern : of the factors, with 2 unknowns a node where the
+    sheet stays in its plane. record : called before every step with energy, residual and evaluations of the force since
+    the last time. Raises NotPositiveDefinite where a step has no factor.
     """
     components = pattern.axes
-    path = _Path(level, np.ascontiguousarray(state.r[:components]), pattern)
-    pure = np.zeros_like(state.r)
+    path = _Path(level, np.ascontiguousarray(r[:components]), pattern)
+    pure = np.zeros_like(r)
     for _ in range(MOST_STEPS):
-        energy = float(level.force(state.r, pure).sum())
+        energy = float(level.force(r, pure).sum())
         size = residual(pure, level.weight)
-        state.evaluations += 1
-        record(state, energy, size)
-        if size < settings.tolerance:
-            return Status.CONVERGED
-        try:
-            path.advance()
-        except NotPositiveDefinite:
-            return None
-        state.evaluations += path.evaluations
+        record(energy, size, 1 + path.evaluations)
+        if size < tolerance:
+            return True
         path.evaluations = 0
+        path.advance()
         if not np.isfinite(path.r).all():
-            return None
-        state.r[:components] = path.r
-    return None
+            return False
+        r[:components] = path.r
+    return False
 
 
 class _Path:
@@ -80,12 +75,15 @@ class _Path:
         self.r, self.force, self.evaluations = r, np.zeros_like(r), 0
         self.S, self.B, self.dS, self.dB, self.c, self.q = np.zeros((6, 3, *self.zone.shape[1:]))
         self.values = np.zeros((*level.fixed.shape, 3, 3, len(r), len(r)))
+        free = np.ones_like(r)
+        level.force.hold(free)
+        self.held = np.argwhere(np.moveaxis(free, 0, -1) == 0.0)
         wrinkling.centre(r, self.zone, self.nu, FIRST, self.S, self.B)
 
     def advance(self) -> None:
         """One predictor-corrector step (Mehrotra 1992); raises NotPositiveDefinite."""
         factor = self._factor()
-        m = wrinkling.duality(self.S, self.B)
+        m = wrinkling.duality(self.zone, self.S, self.B)
         self.c[:], self.q[:] = 0.0, 0.0
         p, most = self._solve(factor, 0.0)
         aim = max((1.0 - min(most, 1.0)) ** 3 * m, LAST)
@@ -107,6 +105,8 @@ class _Path:
     def _factor(self) -> Cholesky:
         """The factor of the step's matrix; raises NotPositiveDefinite where even a large shift gives none."""
         wrinkling.newton_matrix(self.r, self.zone, self.nu, self.S, self.B, self.values)
+        for i, j, c in self.held:
+            self.values[i, j, 1, 1, c, c] = HELD
         shift = SHIFT
         while True:
             try:
@@ -123,5 +123,6 @@ class _Path:
         self.evaluations += 1
         self.force[:, self.level.fixed] = 0.0
         p = factor.solve(self.force)
+        self.level.force.complete(p)
         r, *rest = place
         return p, float(wrinkling.changes(r, p, *rest, self.dS, self.dB))

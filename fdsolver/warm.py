@@ -13,6 +13,7 @@ from fdsolver.level import in_space, make_level
 from fdsolver.model import Model
 from fdsolver.planar import lowest_out_of_plane
 from fdsolver.problem import Problem
+from fdsolver.reduced import mirrored_part
 from fdsolver.relax import Settings, begin, relax
 from fdsolver.stability import search
 
@@ -23,15 +24,16 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     On a machine that has compiled these kernels before they are loaded from the disk cache.
     """
     started = time.perf_counter()
-    x, y = np.meshgrid(np.linspace(0.0, 1.0, 6), np.linspace(0.0, 1.0, 6), indexing="ij")
-    edges = {"left": np.stack([np.zeros(6, dtype=np.int64), np.arange(6)], axis=1)}
-    grid = Grid("rectangle", np.stack([x, y], axis=-1), False, edges, x[:, 0].copy(), y[0].copy(), 1.0)
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 7), np.linspace(0.0, 1.0, 7), indexing="ij")
+    edges = {"left": np.stack([np.zeros(7, dtype=np.int64), np.arange(7)], axis=1)}
+    grid = Grid("rectangle", np.stack([x, y], axis=-1) - 0.5, False, edges, x[:, 0].copy(), y[0].copy(), 1.0)
     tiny = replace(problem, grid=grid, edges={}, symmetry=None)
     level = make_level(tiny, model, grid, threads)
     state = begin(level.scaled(1.01 * level.flat))
     relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20, threads=threads))
     if suits(level, Settings()):
-        finish(level, begin(level.scaled(1.01 * level.flat)), Settings(tolerance=1e-12))
+        part = mirrored_part(level) if model.relaxed else level
+        finish(level, part, begin(level.scaled(1.01 * level.flat)), Settings(tolerance=1e-12))
     if not model.relaxed:
         space = level if model.out_of_plane else make_level(tiny, replace(model, out_of_plane=True), grid, 1)
         lowest_out_of_plane(

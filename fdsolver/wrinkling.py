@@ -146,13 +146,15 @@ def centre(r, zone, nu, m, S, B):
 
 
 @compiled
-def duality(S, B):
-    """Mean of S : B / 2 over the zones, which is m on the central path."""
-    total = 0.0
+def duality(zone, S, B):
+    """Mean of S : B / 2 over the zones, which is m on the central path; zones without area are images of others."""
+    total, count = 0.0, 0
     for i in range(S.shape[1]):
         for j in range(S.shape[2]):
-            total += S[0, i, j] * B[0, i, j] + S[1, i, j] * B[1, i, j] + 2.0 * S[2, i, j] * B[2, i, j]
-    return 0.5 * total / (S.shape[1] * S.shape[2])
+            if zone[4, i, j] > 0.0:
+                total += S[0, i, j] * B[0, i, j] + S[1, i, j] * B[1, i, j] + 2.0 * S[2, i, j] * B[2, i, j]
+                count += 1
+    return 0.5 * total / count
 
 
 @compiled

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fdsolver import finish, meshes, multilevel
+from fdsolver import finish, meshes, multilevel, taut
+from fdsolver.cholesky import Pattern
+from fdsolver.dissection import dissect
 from fdsolver.edges import EdgeCondition
 from fdsolver.finish import FINISHED, relax_or_finish, suits
 from fdsolver.level import Level
@@ -15,8 +17,10 @@ from fdsolver.material import Sheet
 from fdsolver.model import KOITER, MEMBRANE
 from fdsolver.multilevel import solve
 from fdsolver.problem import Problem
+from fdsolver.reduced import ReducedLevel, level_on, mirrored_part
 from fdsolver.relax import Settings, begin
 from fdsolver.result import Solution, Status
+from fdsolver.symmetry import Symmetry
 from tensionfield.relaxed import TENSION_FIELD
 
 FINE = Settings(tolerance=1e-10, levels=1)
@@ -87,6 +91,68 @@ def test_slack_sheet_comes_to_the_energy_and_reactions_that_relaxation_finds() -
     assert finished_rows(finished) < 60 and finished.steps < 0.2 * relaxed.steps
 
 
+@pytest.mark.parametrize("part", [None, "half-x", "half-y"])
+def test_the_part_that_is_factorised_changes_nothing(
+    part: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A quarter leads where the whole mesh and each half lead: to one energy, one stress and one pull."""
+    problem, settings = holed(1500, 6.25, THIN), Settings(tolerance=1e-9, levels=1, finish="on")
+    quarter = solve(problem, TENSION_FIELD, settings)
+
+    def other(level: Level) -> Level:
+        symmetry = None if part is None else Symmetry(part)
+        return level_on(replace(level.problem, symmetry=symmetry), level.model, level.grid, 1)
+
+    monkeypatch.setattr(finish, "mirrored_part", other)
+    again = solve(problem, TENSION_FIELD, settings)
+    assert quarter.status is again.status is Status.CONVERGED
+    assert 0 < finished_rows(quarter) < 60 and 0 < finished_rows(again) < 60
+    assert quarter.energy_N_mm["total"] == pytest.approx(again.energy_N_mm["total"], rel=1e-10)
+    np.testing.assert_allclose(quarter.zone.stress_major, again.zone.stress_major, rtol=0.0, atol=1e-3)
+    top = (solution.reactions["top"].force_N for solution in (quarter, again))
+    np.testing.assert_allclose(*top, rtol=0.0, atol=1e-6)
+    for solution in (quarter, again):
+        assert solution.history["energy"][-1] == pytest.approx(solution.energy_N_mm["total"], rel=1e-12)
+
+
+def test_a_step_of_a_part_is_that_of_the_whole_sheet() -> None:
+    problem = holed(1500, 6.25, THIN)
+    whole = Level(problem, replace(TENSION_FIELD, out_of_plane=False), problem.grid, 1)
+    part = mirrored_part(whole)
+    stepped = []
+    for level in (whole, part):
+        closed = level.force.closed
+        path = taut._Path(level, level.start(), Pattern(dissect(~level.fixed, 1, closed), closed, 2))
+        for _ in range(3):
+            path.advance()
+        stepped.append(level.unscaled(path.r))
+    np.testing.assert_allclose(*stepped, rtol=0.0, atol=1e-9)
+    assert np.abs(stepped[0] - whole.unscaled(whole.start())).max() > 0.1
+
+
+def test_parts_are_those_that_mesh_and_loads_repeat() -> None:
+    """A pull at one end is symmetric, for a sheet that moves; lifting that end leaves a half, a push sideways none."""
+    hole = holed(1500, 6.25, THIN)
+    moves = {
+        "quarter": {"top": EdgeCondition("pinned", move_mm=(0.0, 3.0, 0.0))},
+        "half-x": {"top": EdgeCondition("pinned", move_mm=(0.0, 3.0, 1.0))},
+        None: {"top": EdgeCondition("pinned", move_mm=(1.0, 3.0, 0.0))},
+    }
+    for expected, edges in moves.items():
+        problem = replace(hole, edges={"bottom": EdgeCondition("pinned"), **edges})
+        part = mirrored_part(Level(problem, TENSION_FIELD, problem.grid, 1))
+        found = part.problem.symmetry.reduce if isinstance(part, ReducedLevel) else None
+        assert found == expected
+
+
+def test_a_part_that_a_user_asked_for_is_finished_as_well() -> None:
+    problem = replace(holed(1500, 6.25, THIN), symmetry=Symmetry("quarter"))
+    solution = solve(problem, TENSION_FIELD, Settings(tolerance=1e-9, levels=1))
+    whole = solve(replace(problem, symmetry=None), TENSION_FIELD, Settings(tolerance=1e-9, levels=1))
+    assert solution.status is Status.CONVERGED and finished_rows(solution)
+    assert solution.energy_N_mm["total"] == pytest.approx(whole.energy_N_mm["total"], rel=1e-10)
+
+
 def test_relaxed_annulus_in_space_comes_to_the_same_state() -> None:
     finished, relaxed = both(ring(800, THIN), TENSION_FIELD, FINE)
     assert finished.status is relaxed.status is Status.CONVERGED and finished_rows(finished)
@@ -131,7 +197,7 @@ def test_indefinite_state_goes_back_to_relaxation() -> None:
     level = Level(Problem(THIN, edges, grid, lambda n: grid, perturbation=0.0), KOITER, grid, 1)
     state = begin(level.start())
     before = state.r.copy()
-    assert finish.finish(level, state, replace(FINE, finish="on")) is None
+    assert finish.finish(level, level, state, replace(FINE, finish="on")) is None
     np.testing.assert_array_equal(state.r, before)
     assert state.step == 0
     settings = replace(FINE, finish="on", tolerance=1e-30, max_steps=900)
@@ -149,7 +215,7 @@ def test_interrupted_finish_leaves_the_state_as_it_was() -> None:
         if state.step >= 3:
             raise KeyboardInterrupt
 
-    assert finish.finish(level, state, FINE, interrupt) is Status.INTERRUPTED
+    assert finish.finish(level, mirrored_part(level), state, FINE, interrupt) is Status.INTERRUPTED
     for name, value in state.as_arrays().items():
         if name != "seconds":
             np.testing.assert_array_equal(value, before[name], err_msg=name)
