@@ -80,8 +80,9 @@ def _command(arguments: argparse.Namespace, interruption: Interruption) -> int:
 
 def _report(arguments: argparse.Namespace, interruption: Interruption) -> int:
     from cases.commands import out_folder, words_of
+    from cases.machine import usable_cores
     from cases.progress import display
-    from reports.command import report
+    from reports.command import PROCESSES, report
     from reports.plan import report_runs
 
     scenes = None if arguments.scenes is None else words_of(arguments.scenes, "--scenes")
@@ -91,7 +92,8 @@ def _report(arguments: argparse.Namespace, interruption: Interruption) -> int:
         raise Refused(f"--scenes: {unknown}") from None
     out = out_folder(arguments.out, "report")
     with display(arguments.quiet) as progress:
-        return report(out, arguments.full, scenes, progress=interruption.watch(progress))
+        processes = min(PROCESSES, usable_cores())
+        return report(out, arguments.full, scenes, None, interruption.watch(progress), processes)
 
 
 def _foreseen(error: Exception) -> list[str] | None:

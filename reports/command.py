@@ -6,17 +6,20 @@ import json
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from fdsolver.checkpoint import make_folder, write_atomically
 from reports.plan import report_runs
 from reports.run import ReportRun
+from reports.side_by_side import solve_side_by_side
 from reports.stored import refusal_path
 
 WAVE_HEIGHT = 10.0  # of imposed waves, in thicknesses: about as high as the sheet's own
 RESULTS = "results"
 BENCHMARKS = Path("runs") / "benchmark"
+PROCESSES = 2  # side by side: the time that a report may take is that of two cores
 FULL_PATIENCE = 10.0  # a run of the full report has this many times the quick report's limit
 # What is left of the ten (sixty) minutes that a report may take is for drawing and for the last run's excess.
 QUICK_SECONDS, FULL_SECONDS = 450.0, 3200.0
@@ -28,6 +31,7 @@ def report(
     scenes: Sequence[str] | None = None,
     results: Path | None = None,
     progress: Callable[[Any], None] | None = None,
+    processes: int = 1,
 ) -> int:
     """Run the planned cases that have no result yet, then write `index.html` and `report.pdf` into `out`.
 
@@ -35,7 +39,8 @@ def report(
     full : the paper's node counts instead of the quick ones.
     scenes : only these; None for all.
     results : folder of the verification runs (`benchmarks.json`), by default `runs/benchmark`.
-    progress : called by the running solver, as by `cases.run`.
+    progress : called by the solver that runs in this process, as by `cases.run`.
+    processes : solving side by side; a script that asks for more than one has to guard its main module.
 
     Returns 0 when finished, whatever the single runs' statuses, which the report shows.
     Raises ValueError for a scene that the report does not have.
@@ -43,7 +48,7 @@ def report(
     runs = report_runs(full, scenes)
     started = time.perf_counter()
     folder = out / RESULTS / ("full" if full else "quick")
-    run_cases(runs, folder, full, progress)
+    run_cases(runs, folder, full, progress, processes)
     print(f"{len(runs)} runs after {time.perf_counter() - started:.0f} s; drawing", file=sys.stderr)
     render(out, runs, folder, full, (results or BENCHMARKS) / "benchmarks.json")
     print(f"{out / 'index.html'}\n{out / 'report.pdf'}")
@@ -62,17 +67,33 @@ def render(out: Path, runs: Sequence[ReportRun], folder: Path, full: bool, bench
 
 
 def run_cases(
-    runs: Sequence[ReportRun], folder: Path, full: bool, progress: Callable[[Any], None] | None = None
+    runs: Sequence[ReportRun],
+    folder: Path,
+    full: bool,
+    progress: Callable[[Any], None] | None = None,
+    processes: int = 1,
 ) -> None:
     """Solve every planned case into its own result folder; a result of the same scene and nodes is kept.
 
     When the report's time is used up, what is left is noted as not run.
     """
     finish = time.monotonic() + (FULL_SECONDS if full else QUICK_SECONDS)
-    for k, run in enumerate(runs, start=1):
-        print(f"[{k}/{len(runs)}] {run.name}", file=sys.stderr, flush=True)
-        limit = min(run.max_seconds * (FULL_PATIENCE if full else 1.0), finish - time.monotonic())
-        run_case(run, folder / run.name, run.nodes(full), limit, progress)
+    solve_side_by_side(partial(_in_time, runs, folder, full, finish), len(runs), processes, progress)
+
+
+def _in_time(
+    runs: Sequence[ReportRun],
+    folder: Path,
+    full: bool,
+    finish: float,
+    k: int,
+    progress: Callable[[Any], None] | None,
+) -> None:
+    """Solve case k in its own time limit or in what is left until `finish`."""
+    run = runs[k]
+    print(f"[{k + 1}/{len(runs)}] {run.name}", file=sys.stderr, flush=True)
+    limit = min(run.max_seconds * (FULL_PATIENCE if full else 1.0), finish - time.monotonic())
+    run_case(run, folder / run.name, run.nodes(full), limit, progress)
 
 
 def run_case(
