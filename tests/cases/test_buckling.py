@@ -18,6 +18,7 @@ from cases.methods import METHODS, MethodError, choose, methods_of, with_numbers
 from cases.unstructured import FiniteElementMesh, FiniteElementSolution
 from cases.unstructured_files import read_cells, write_cells
 from cases.unstructured_probe import locate, sample_section, vertex_means
+from fdsolver.result import Status
 from tests.femref.rings import isotropic_factors
 
 # a square panel of hinged rails, sheared: 9.325 pi^2 D / (b^2 h) is its classical stress
@@ -117,6 +118,14 @@ def test_the_folder_reads_back_and_opens_elsewhere(panel: tuple) -> None:
     assert vtu.cells[0].type == "triangle" and np.array_equal(vtu.cells[0].data, solution.grid.cells)
     assert np.allclose(vtu.point_data["mode_1"], solution.modes[0], rtol=0.0, atol=0.0)
     assert run(load_scene(folder / "panel.toml"), "buckling", nodes=400, out=folder / "out").seed == 0
+
+
+def test_factors_beyond_the_tolerance_are_not_converged(panel: tuple) -> None:
+    solution, folder = panel
+    # what rounding leaves of the panel's factors lies between the usual tolerance and the smallest that may be asked
+    assert 1e-14 < solution.residual < 1e-8 and solution.status is Status.CONVERGED
+    strict = run(load_scene(folder / "panel.toml", {"solver.tolerance": 1e-14}), "buckling", nodes=400)
+    assert strict.status is Status.STALLED and strict.residual == solution.residual
 
 
 def test_a_resolved_scene_runs_again_on_as_many_vertices(panel: tuple) -> None:

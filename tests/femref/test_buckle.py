@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
+from femref import buckle
 from femref.buckle import NoBuckling, distance_bounds, factors_below, guess_of, shift_after, smallest_factors
 from femref.meshes import annulus, rectangle, rectangle_with_hole
 from femref.parity import parities
@@ -60,6 +61,13 @@ def test_distance_bounds_hold_and_are_sharp_for_a_wrong_factor(wrong: float) -> 
         assert (bounds > 1.01e-4).all()
     else:
         assert bounds == pytest.approx(1e-4, rel=1e-6)  # rounding, a hundredth of a millionth of it
+
+
+def test_the_residual_is_that_of_the_worst_factor(monkeypatch: pytest.MonkeyPatch) -> None:
+    bending, geometric, _ = small_pencil()
+    bounds = np.array([1e-9, 7e-9, 2e-9])
+    monkeypatch.setattr(buckle, "distance_bounds", lambda *_: bounds)
+    assert smallest_factors(bending, geometric, 3, 1e-5).residual == 7e-9
 
 
 @pytest.mark.parametrize("guess", [1e-12, 1e6])
