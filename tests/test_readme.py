@@ -60,7 +60,9 @@ def test_make_targets_and_files_exist(readme, project):
 
 
 def test_exit_codes_of_the_table_are_those_of_the_statuses(readme):
+    from cases.__main__ import MACHINE_FAILED
+    from cases.arguments import BAD_INPUT
     from fdsolver.result import Status
 
     codes = {int(row[0]) for row in table_rows(readme, "| code | meaning |")}
-    assert codes == {status.exit_code for status in Status} | {2}
+    assert codes == {status.exit_code for status in Status} | {MACHINE_FAILED, BAD_INPUT}
