@@ -211,7 +211,8 @@ def _newton(
             return unknowns, force
         if not np.isfinite(size) or size > _LOST:
             return None
-        before = size
+        if step > 0:  # the start's forces belong to edges that have not moved yet
+            before = size
         right = force[free] + tangent[free][:, held] @ moving
         try:
             unknowns[free] -= factorise(tangent[free][:, free]).solve(right)

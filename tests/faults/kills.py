@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from fdsolver.result import Status
+
 POLL_SECONDS = 0.002
 # what differs between two runs that computed the same
 OF_THE_MOMENT = (
@@ -152,10 +154,13 @@ def chain(job: Job, folder: Path, reference: Path, seconds: float, kills: int, d
 
 
 def stored(job: Job, folder: Path) -> dict[str, str]:
-    """The digest of every finished result of a job."""
+    """The digest of every finished result of a job; what a worker left when it lost its study is none."""
     found = {name: folder / name / "result.json" for name in job.results}
+    texts = {name: path.read_bytes() for name, path in found.items() if path.exists()}
     return {
-        name: hashlib.sha256(path.read_bytes()).hexdigest() for name, path in found.items() if path.exists()
+        name: hashlib.sha256(text).hexdigest()
+        for name, text in texts.items()
+        if json.loads(text).get("status") != Status.INTERRUPTED.value
     }
 
 

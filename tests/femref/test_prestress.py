@@ -80,6 +80,16 @@ def test_linear_state_is_the_limit_of_small_finite_ones() -> None:
     assert np.abs(finite.stress - linear.stress).max() < 1e-5 * np.abs(linear.stress).max()
 
 
+@pytest.mark.parametrize("farther", [1e-4, 1e-3, 1e-2])
+def test_a_state_does_not_depend_on_the_near_one_that_it_started_from(farther: float) -> None:
+    """What a well converged neighbour leaves as a force is rounding; Newton's steps must not be measured by it."""
+    plane = problem(rectangle(WIDTH, HEIGHT, 100, grading=0.5), RUBBER, pull(10.0))
+    near = finite_state(plane, 1.0, finite_state(plane, 1.0).unknowns)
+    from_near, cold = (finite_state(plane, 1.0 + farther, start) for start in (near.unknowns, None))
+    # forces of 1e-12 of Y; compression in a wrinkling sheet is a thousandth of its tension
+    assert np.abs(from_near.stress - cold.stress).max() < 1e-9 * np.abs(cold.stress).max()
+
+
 def test_turning_a_sheet_strains_nothing() -> None:
     angle = 1.1
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) - np.eye(2)
