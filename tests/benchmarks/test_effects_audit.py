@@ -19,7 +19,6 @@ from tests.benchmarks.effects_runs import (
     NOTHING,
     Comparison,
     compare,
-    node_steps,
     write_rows,
 )
 from tests.benchmarks.random_scenes import TOLERANCE, RandomScene, random_scenes
@@ -108,7 +107,8 @@ def test_random_scenes_are_judged_as_full_runs_judge_them(verify: Verification) 
 
 QUARTERS = {
     "stretch": ("koiter", {"mesh.nodes": 16_000}),
-    "hole": ("koiter", {"mesh.nodes": 8_000}),
+    # as thin as its scene has it, this mesh does not resolve its wrinkles, whose heights go with the seed by a quarter
+    "hole": ("koiter", {"mesh.nodes": 8_000, **RESOLVED}),
 }
 
 
@@ -120,7 +120,7 @@ def test_a_quarter_model_at_a_quarter_of_the_cost(verify: Verification, name: st
     one = compare(f"{name}, quarter", quarter, load_scene(name, {**changes, **EVERYTHING_ON}), method)
     write_rows(verify.root, f"quarter-{name}", [one.row()])
     whole, part = one.full[0], one.lean
-    per_step = (node_steps(part) / part.steps) / (node_steps(whole) / whole.steps)
+    per_step = part.levels[-1]["nodes"] / whole.levels[-1]["nodes"]
     verify.note(f"{name}: verdict", one.verdict)
     verify.note(f"{name}: CPU seconds over those of the whole", part.cpu_seconds / whole.cpu_seconds)
     verify.note(f"{name}: steps over those of the whole", part.steps / whole.steps)
