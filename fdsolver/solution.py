@@ -88,7 +88,8 @@ def _warnings(level: Level, run: Run, stretch_major: np.ndarray) -> list[str]:
             f" material has no natural width, in {100.0 * share:.2g} % of the zones; such zones are simply tense."
         )
     if run.state.recoveries:
-        warnings.append(f"{run.state.recoveries} unstable steps were taken back and the masses raised.")
+        count = run.state.recoveries
+        warnings.append(f"{count} unstable step{'s' * (count > 1)} taken back, with the masses raised.")
     return warnings
 
 

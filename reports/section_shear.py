@@ -170,7 +170,7 @@ def small_words(small: Mapping[Load, Stored | None]) -> Text:
         words.append(
             f"{load}: "
             + (
-                f"stays flat (no point rises by more than {height:.1g} mm)."
+                f"stays flat ({f'no point rises by more than {height:.1g} mm' if height else 'all heights are 0'})."
                 if flat
                 else f"wrinkles, up to {height:.2g} mm high."
             )
