@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -50,4 +51,5 @@ def _close_up(ax: Axes, r: np.ndarray, size: float) -> None:
     )
     draw_height(ax, r[rows, columns], size, "", smooth=False)
     ax.set_title(rf"$z$: $\pm${power_of_ten(size)} mm", fontsize=7.5)
-    ax.locator_params(axis="x", nbins=2)
+    low, high = ax.get_xlim()
+    ax.set_xticks([math.ceil(low), math.floor(high)])  # the columns are narrow: there is room for two
