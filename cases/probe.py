@@ -29,6 +29,7 @@ _FEWEST_SAMPLES, _MOST_SAMPLES = 201, 20_001
 # A wave of less than a thousandth of the thickness is no wrinkle: it is below what any residual of ours
 # resolves.
 _FLAT_PART = 1e-3
+_SHORTEST = 1.9  # node spacings in a wave that nodes can carry, which is 2, less what is lost in measuring
 
 
 class ProbeError(ValueError):
@@ -84,14 +85,15 @@ def measure_section(section: Section, thickness_mm: float) -> Measures:
 def nodes_per_wrinkle(sections: Iterable[Section], thickness_mm: float) -> float | None:
     """Smallest local wavelength over node spacing where the envelope exceeds 20 % of its maximum.
 
-    The smallest over all sections that are not flat; None if all are.
+    The smallest over all sections that are not flat; None if all are. Nodes carry no waves shorter than two spacings:
+    what is shorter comes from the interpolation between the nodes of coarse curved meshes.
     """
     ratios = [
         smallest_wavelength_ratio(half_waves(part.s, part.z, part.closed), part.s, part.spacing)
         for part in sections
         if np.abs(part.z).max() > _FLAT_PART * thickness_mm
     ]
-    return min((ratio for ratio in ratios if ratio is not None), default=None)
+    return min((ratio for ratio in ratios if ratio is not None and ratio > _SHORTEST), default=None)
 
 
 def path_columns(solution: Solution, name: str, line: Line) -> Columns:

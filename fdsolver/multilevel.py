@@ -164,9 +164,10 @@ def solve(
     while True:
         clock.charge(run)
         watch = _watcher(run, level, len(grids), settings, clock, progress, checkpoint, recorder)
-        status, stability = relax_to_stable(level, run.state, run.limits(settings), watch)
+        finest = run.level + 1 == len(grids)
+        status, stability = relax_to_stable(level, run.state, run.limits(settings), watch, finest)
         clock.charge(run)
-        last = run.level + 1 == len(grids) or status in LAST_STATUS
+        last = finest or status in LAST_STATUS
         if last and checkpoint is not None and status in RESUMABLE:
             if status is not Status.INTERRUPTED:
                 run.limit_steps, run.limit_seconds = run.steps, run.seconds

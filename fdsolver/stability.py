@@ -204,9 +204,15 @@ def _judge(level: Level, state: State, flat: float) -> Stability | Growth:
 
 
 def relax_to_stable(
-    level: Level, state: State, settings: Settings, on_block: Callable[[State], None] | None = None
+    level: Level,
+    state: State,
+    settings: Settings,
+    on_block: Callable[[State], None] | None = None,
+    finest: bool = True,
 ) -> tuple[Status, dict[str, object]]:
     """Relax, examine, and leave an unstable equilibrium along its mode, until a stable one is found.
+
+    finest : a coarser mesh of a sheet in its plane is not examined, because nothing can be kicked out of it.
 
     The kick is one thickness. The tolerance falls with every kick: near a saddle the force is small far from the
     equilibrium that is sought. Waves that have not settled are taken to their height. Models that do not buckle are
@@ -220,6 +226,8 @@ def relax_to_stable(
             return status, {"stable": True, "how": CONVEX, "lowest": None}
         if status is not Status.CONVERGED:
             return status, {"stable": None, "how": "not examined: the state is not converged", "lowest": None}
+        if not finest and len(state.r) == 2:
+            return status, {"stable": None, "how": "not examined: a finer mesh follows", "lowest": None}
         started = time.perf_counter()
         try:
             verdict = _judge(level, state, PLANAR * height)

@@ -274,3 +274,18 @@ def test_a_flat_sheet_has_no_wrinkles() -> None:
     measures = measure_section(section, SHEET.thickness_mm)
     assert (measures.wavelength_mm, measures.half_waves, measures.symmetry) == (None, 0, None)
     assert nodes_per_wrinkle([section], SHEET.thickness_mm) is None
+
+
+def test_a_cone_on_a_coarse_mesh_has_no_wrinkles() -> None:
+    """Between nodes cubic interpolation errs with the period of the mesh, which no nodal field can have."""
+    thickness = 0.025
+    grid = meshes.annulus(62.5, 250.0, 1250)
+    solution = made_solution(grid, lambda x, y: 60.0 * np.log(np.hypot(x, y)))
+    section = sample_section(grid, solution.r, Line(radius_mm=109.0))
+    assert np.ptp(section.z) > 1e-3 * thickness
+    assert nodes_per_wrinkle([section], thickness) is None
+    waves = made_solution(
+        grid, lambda x, y: np.cos(grid.ni // 3 * np.arctan2(y, x))
+    )  # three nodes each are still seen
+    section = sample_section(grid, waves.r, Line(radius_mm=109.0))
+    assert nodes_per_wrinkle([section], thickness) == pytest.approx(3.0, rel=0.2)

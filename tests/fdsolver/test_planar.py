@@ -81,6 +81,25 @@ def test_value_and_mode_are_those_of_the_dense_eigenproblem(name: str, stretch: 
     assert shape @ stiffness @ shape / (shape @ metric @ shape) == pytest.approx(value, rel=1e-6, abs=1e-6)
 
 
+def test_a_stable_sheet_is_known_by_its_factor_and_an_unstable_one_takes_the_larger_shift(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    grid = MESHES["biased"]
+    force = held(grid, "pinned", THICK)
+    for stretch, small in (((0.9995, 1.0), True), ((0.98, 1.0), False)):
+        found = {}
+        for shifts in ((planar.SHIFTS[0],), (planar.SHIFTS[1],)):
+            monkeypatch.setattr(planar, "SHIFTS", shifts)
+            found[shifts[0]] = lowest_out_of_plane(force, uniform(grid, *stretch), ~rim(grid), 0)
+            monkeypatch.undo()
+        one, other = (found[shift] for shift in planar.SHIFTS)
+        assert other is not None
+        assert (one is not None) == small == (other[0] > 0.0)
+        if one is not None:
+            assert one[0] == pytest.approx(other[0], abs=5.0 * planar.ACCURACY)
+            np.testing.assert_allclose(one[1], other[1], atol=0.02)
+
+
 @pytest.mark.parametrize(("bias", "nodes"), [(0.0, 1600), (1.0, 2500)])
 @pytest.mark.parametrize("poisson", [-0.3, 0.0, 0.31, 0.5])
 def test_square_plate_buckles_at_the_classical_strain(poisson: float, bias: float, nodes: int) -> None:

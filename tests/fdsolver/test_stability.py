@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -117,6 +118,20 @@ def test_membrane_is_examined_but_not_kicked() -> None:
     assert (status, verdict["stable"], state.kicks) == (Status.CONVERGED, False, 0)
     assert verdict["lowest"] < 0.0
     assert not state.r[2].any()
+
+
+def test_in_its_plane_the_finest_mesh_alone_is_examined() -> None:
+    """Nothing can be kicked out of a plane, so what a coarser mesh would tell serves nobody."""
+    spent = []
+    for finest in (False, True):
+        level = strip(0.98 * EULER, replace(KOITER, out_of_plane=False))
+        state = begin(level.start())
+        status, verdict = relax_to_stable(level, state, TIGHT, finest=finest)
+        assert status is Status.CONVERGED
+        assert verdict["stable"] is (True if finest else None)
+        spent.append(state.evaluations - state.step)
+    assert spent[0] == 0
+    assert spent[1] > 0
 
 
 def test_relaxed_membrane_is_stable_by_nature() -> None:
