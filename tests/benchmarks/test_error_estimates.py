@@ -56,9 +56,9 @@ def covered(cases: Iterable[Case]) -> tuple[int, dict[str, Coverage]]:
                 one.reasons[estimate.how.removeprefix("refused: ")] += 1
                 continue
             error, rounding = abs(estimate.value - truth), ROUNDING * abs(truth)
-            one.inside += error <= estimate.total + rounding
+            one.inside += int(error <= estimate.total + rounding)
             if error > rounding:
-                one.ratios.append(estimate.total / error)
+                one.ratios.append(float(estimate.total / error))
     return runs, found
 
 
