@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter, defaultdict
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -83,7 +83,7 @@ def test_estimated_errors_contain_the_true_ones(verify):
         runs += more
         for name, one in coverage.items():
             found[name].add(one)
-    stored = {"runs": runs, "quantities": {name: asdict(one) for name, one in sorted(found.items())}}
+    stored = {"runs": runs, "quantities": {name: vars(one) for name, one in sorted(found.items())}}
     verify.root.mkdir(parents=True, exist_ok=True)
     (verify.root / FILE).write_text(json.dumps(stored, indent=1), encoding="utf-8")
     everything = record(verify, found)
