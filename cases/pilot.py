@@ -25,8 +25,8 @@ MOST_SECONDS = 20.0
 # Steps per square root of the nodes, over those on a mesh with a quarter of the nodes: plates 0.6 to 1.1, relaxed
 # membranes 0.7 to 1.2 on meshes from 5 000 to 80 000 nodes.
 FINER = 0.8
-# CPU seconds per node that the tangent of a flat state and its lowest eigenvalue take (4 000 to 40 000 nodes)
-EXAMINED = 3e-5
+# CPU seconds per node that the tangent of a flat state and its lowest eigenvalue take (1 000 to 20 000 nodes)
+EXAMINED = 2e-5
 
 
 @dataclass(frozen=True)
