@@ -29,7 +29,7 @@ MARGIN = 0.8  # aim below the target: the next estimate has an error of its own
 SMALLEST, LARGEST = 1e-6, 0.5
 THICKENED = (
     "leaves --accuracy nothing to go by: the coarser meshes carry a thicker sheet, so their results tell no error;"
-    " give --nodes, or --set solver.thicken=false"
+    " give --nodes, or --set solver.{}"
 )
 # what --accuracy promises; energies of bending, wavelengths and the smallest stretches are too soft for a promise
 PROMISED = re.compile(
@@ -80,14 +80,18 @@ def run_to_accuracy(
 
     out : holds the last mesh's result. The rest as of `cases.run`.
 
-    Raises SceneError where the nested meshes of a run cannot be compared (solver.thicken), before anything is solved.
+    Raises SceneError where the nested meshes of a run cannot be compared (solver.thicken, solver.thinning), before
+    anything is solved.
 
     Returns the last solution, with a warning if its error is above `accuracy` or not known: at the largest mesh, or
     when a run does not converge or the time limit of the scene is used up.
     """
     chosen = choose(scene, method)[0]
-    if scene.solver.thicken and chosen.bending:
-        raise SceneError([Problem(scene.name, "solver.thicken", "true", THICKENED)])
+    for key, default in {"thicken": False, "thinning": ()}.items():
+        value = getattr(scene.solver, key)
+        if value != default and chosen.bending:
+            message = THICKENED.format(f"{key}={shown(default)}")
+            raise SceneError([Problem(scene.name, f"solver.{key}", shown(value), message)])
     if scene.solver.levels is None:
         scene = replace(scene, solver=scene.solver.model_copy(update={"levels": LEVELS}))
     nodes, started = _first(scene, chosen.name, seed, tolerance, out)

@@ -116,6 +116,7 @@ def settings_of(scene: Scene, tolerance: float, threads: int = 1) -> Settings:
         mass=solver.mass,
         levels=solver.levels,
         thicken=solver.thicken,
+        thinning=solver.thinning,
         finish=solver.finish,
         max_steps=solver.max_steps,
         max_seconds=solver.max_seconds,

@@ -84,7 +84,7 @@ def _unlike(solution: Solution) -> str:
     if not solution.coarser:
         return "the run had one mesh alone; solver.levels asks for more"
     if any(state.sheet != solution.sheet for state in solution.coarser):
-        return "the coarser meshes were solved with a thicker sheet (solver.thicken)"
+        return "the coarser meshes were solved with a thicker sheet (solver.thicken, solver.thinning)"
     return ""
 
 

@@ -233,6 +233,11 @@ class Solver(Table):
     mass: Literal["nodal", "isotropic", "uniform"] = "nodal"
     levels: int | None = Field(default=None, ge=1, le=12, description="a whole number from 1 to 12")
     thicken: bool = False
+    thinning: Annotated[
+        tuple[Annotated[float, Field(gt=1.0, le=1e4)], ...],
+        BeforeValidator(_tuple_of),
+        Field(max_length=20, description="up to 20 multiples of the thickness, above 1 and at most 10000"),
+    ] = ()
     max_steps: int = Field(
         default=2_000_000, ge=1, le=10**12, description="a whole number from 1 to 1000000000000"
     )

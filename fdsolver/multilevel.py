@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -149,12 +149,13 @@ def solve(
     # A given state would lose its wrinkles on a coarse mesh.
     levels = 1 if settings.levels is None and problem.initial is not None else settings.levels
     counts = level_nodes(problem.grid.nodes, levels)
-    grids = [problem.grid_of(nodes) for nodes in counts[:-1]] + [problem.grid]
+    coarse = [problem.grid_of(nodes) for nodes in counts[:-1]]
+    stages = _stages(coarse, problem.grid, settings, model.bending)
     clock = _Clock()
     saved = checkpoint.load() if checkpoint is not None else None
     run = Run.from_arrays(saved) if saved is not None else None
     at = run.level if run is not None else 0
-    level = _level(problem, model, grids[at], settings)
+    level = _level(problem, model, *stages[at], settings.threads)
     recorder = Recorder(settings.snapshots, settings.damping.startswith("kinetic"))
     if run is None or saved is None:
         run = Run(begin(level.start()))
@@ -163,8 +164,8 @@ def solve(
         recorder.restore(saved)
     while True:
         clock.charge(run)
-        watch = _watcher(run, level, len(grids), settings, clock, progress, checkpoint, recorder)
-        finest = run.level + 1 == len(grids)
+        watch = _watcher(run, level, len(stages), settings, clock, progress, checkpoint, recorder)
+        finest = run.level + 1 == len(stages)
         status, stability = relax_to_stable(level, run.state, run.limits(settings), watch, finest)
         clock.charge(run)
         last = finest or status in LAST_STATUS
@@ -178,26 +179,33 @@ def solve(
             break
         run.trail.finish_mesh(level, run.state)
         run.level += 1
-        grid = grids[run.level]
-        coarse, level = level, _level(problem, model, grid, settings)
-        run.state = begin(level.start_from(coarse, run.state.r))
+        before_it, level = level, _level(problem, model, *stages[run.level], settings.threads)
+        run.state = begin(level.start_from(before_it, run.state.r))
     shown, run.state = unfolded(level, run.state)
     solution = assemble(model, settings, shown, status, stability, run, seconds_compile)
     whole = replace(problem, symmetry=None)
-    coarser = [_level(whole, model, grid, settings) for grid in grids[: run.level]]
+    coarser = [_level(whole, model, *stage, settings.threads) for stage in stages[: run.level]]
     solution = with_trail(solution, run.trail, [*coarser, shown])
     if not settings.snapshots:
         return solution
     end = final_shape(run.level, before, shown, run.state)
-    return replace(solution, snapshots=recorder.arrays(grids, end))
+    return replace(solution, snapshots=recorder.arrays([grid for grid, _ in stages], end))
 
 
-def _level(problem: Problem, model: Model, grid: Grid, settings: Settings) -> Level:
-    """The problem on one of the nested meshes, where its sheet may be thicker (see `Settings.thicken`)."""
-    if settings.thicken and model.bending:
-        thickness = problem.sheet.thickness_mm * problem.grid.nodes / grid.nodes
-        problem = replace(problem, sheet=replace(problem.sheet, thickness_mm=thickness))
-    return level_on(problem, model, grid, settings.threads)
+def _stages(
+    coarse: Sequence[Grid], finest: Grid, settings: Settings, bending: bool
+) -> list[tuple[Grid, float]]:
+    """The meshes of a run in their order, each with its sheet's thickness over the problem's own."""
+    thicknesses = (*settings.thinning, 1.0) if bending else (1.0,)
+    thicken = settings.thicken and bending
+    nested = [(grid, thicknesses[0] * (finest.nodes / grid.nodes if thicken else 1.0)) for grid in coarse]
+    return nested + [(finest, thickness) for thickness in thicknesses]
+
+
+def _level(problem: Problem, model: Model, grid: Grid, thickness: float, threads: int) -> Level:
+    """The problem on one of the meshes with its sheet's thickness times a factor."""
+    sheet = replace(problem.sheet, thickness_mm=thickness * problem.sheet.thickness_mm)
+    return level_on(replace(problem, sheet=sheet), model, grid, threads)
 
 
 class _Clock:

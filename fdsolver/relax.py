@@ -49,6 +49,8 @@ class Settings:
     levels : number of nested meshes; None chooses.
     thicken : coarser levels of a plate get a thickness in proportion to their zone area, so that wrinkles, whose
         length goes with the square root of the thickness, keep their number of nodes. For sheets that fold sharply.
+    thinning : thicknesses, over the plate's own, in which it is solved one after the other on its finest mesh before
+        its own; coarser meshes have the first. Where wrinkles double their number, they do so step by step.
     max_steps, max_seconds : limits of the whole run. threads : bands of rows side by side.
     snapshots : shapes to keep of the way to the equilibrium (see `snapshots`).
     finish : "auto" or "on": a smoothed state is taken to its equilibrium in the metric of its exact tangent where that
@@ -60,6 +62,7 @@ class Settings:
     mass: str = "nodal"
     levels: int | None = None
     thicken: bool = False
+    thinning: tuple[float, ...] = ()
     max_steps: int = 400_000
     max_seconds: float = 1800.0
     threads: int = 1

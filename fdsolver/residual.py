@@ -7,7 +7,7 @@ import numpy as np
 from fdsolver.rows import compiled
 
 USUAL_STRAIN = 0.1  # of a sheet under the loads that tolerances are meant for
-ROUNDING = 5e-15  # residuals over L / L_n below which none falls: 1e-16 of taut sheets, 3e-15 of a bent column
+ROUNDING = 5e-15  # residuals over L / L_n that no longer fall: 1e-16 of taut sheets, 3e-15 of a bent column
 
 
 def wanted(tolerance: float, energy: float, weight: np.ndarray) -> float:

@@ -12,6 +12,7 @@ from reports.run import ReportRun
 ANNULUS_MESHES = (1250, 5000, 20000, 80000)
 HOLE_5 = {"edges.top.move_mm": [0.0, 3.125, 0.0], "edges.bottom.move_mm": [0.0, -3.125, 0.0]}
 SCENES = ("stretch", "shear", "hole", "annulus")  # in the order of the report; then the ladder
+THINNING = {"solver.thinning": [4.0, 2.0, 1.4]}  # from 66 waves, which four times the thickness has, to 132
 THICK = {"sheet.thickness_mm": 0.5}
 THICKER = {"annulus-twist": THICK, "annulus-shrink": THICK}  # wrinkles that these meshes resolve
 LADDER = ("annulus-lift", "annulus-twist", "annulus-shrink", "strip-tension", "shear-rails")
@@ -30,7 +31,7 @@ def _annulus() -> list[ReportRun]:
         ReportRun("annulus-membrane-20000", "annulus", "membrane", 20000, 20000),
         ReportRun("annulus-koiter-5000", "annulus", "koiter", 5000, 5000, max_seconds=60.0),
         ReportRun("annulus-koiter-20000", "annulus", "koiter", 20000, 20000, max_seconds=90.0),
-        ReportRun("annulus-koiter-120000", "annulus", "koiter", None, 120000, max_seconds=60.0),
+        ReportRun("annulus-koiter-120000", "annulus", "koiter", None, 120000, THINNING, max_seconds=60.0),
         ReportRun(
             "annulus-koiter-resolved",
             "annulus",

@@ -96,4 +96,8 @@ def test_meshes_of_other_thicknesses_are_refused_before_anything_is_solved(tmp_p
     assert main(words) == 2
     said = capsys.readouterr().err
     assert "solver.thicken = true: leaves --accuracy nothing to go by" in said
+    words[1:4] = ["annulus-twist", "--method", "koiter"]
+    assert main([*words, "--set", "solver.thinning=[2.0]"]) == 2
+    said = capsys.readouterr().err
+    assert "solver.thinning" in said and "give --nodes, or --set solver.thinning=[]" in said
     assert not (tmp_path / "hole").exists()

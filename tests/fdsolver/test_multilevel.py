@@ -61,6 +61,7 @@ CASES: dict[str, tuple[Callable[..., tuple[Problem, Model]], Settings]] = {
         arch,
         Settings(tolerance=1e-6, levels=2, thicken=True, damping="kinetic", snapshots=6),
     ),
+    "koiter, thinned": (arch, Settings(tolerance=1e-6, levels=2, thinning=(2.0, 1.5), snapshots=6)),
 }
 
 
@@ -157,7 +158,18 @@ def test_nesting_saves_steps_on_the_fine_mesh() -> None:
     assert nested.levels[-1]["steps"] < single.steps
 
 
-@pytest.mark.parametrize("name", CASES)
+def test_a_plate_is_thinned_on_its_finest_mesh() -> None:
+    """Twice and one and a half times as thick first, on the way to the same arch."""
+    thinned, straight = whole("koiter, thinned"), whole("koiter")
+    nodes, thickness = ([row[key] for row in thinned.levels] for key in ("nodes", "thickness_mm"))
+    assert nodes == [straight.levels[0]["nodes"], *3 * [straight.grid.nodes]]
+    assert thickness == [2.0, 2.0, 1.5, 1.0] and thinned.sheet == straight.sheet
+    assert thinned.energy_N_mm["total"] == pytest.approx(straight.energy_N_mm["total"], rel=1e-5)
+    assert [state.sheet.thickness_mm for state in thinned.coarser] == thickness[:-1]
+    assert set(thinned.snapshots["level"]) <= {0, 1, 2, 3}
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if name != "koiter, thinned"])
 def test_solution_tells_its_levels_and_history(name: str) -> None:
     solution = whole(name)
     coarse, fine = solution.levels
@@ -209,7 +221,7 @@ def test_interrupted_anywhere_and_resumed_the_bits_are_the_same(name: str, tmp_p
         assert np.isfinite(solution.r).all()
         assert store.path.exists()
     assert interrupts == len(stop.calls)
-    assert {progress.level for progress in stop.seen} == {1, 2}
+    assert {progress.level for progress in stop.seen} == set(range(1, len(expected.levels) + 1))
     same_bits(solution, expected)
 
 
