@@ -85,7 +85,7 @@ def relax_or_finish(
             return status
         part = part or (mirrored_part(level) if level.model.relaxed else level)
         worth = WORTH * part.fixed.size / level.fixed.size
-        if not asked and steps_left(state, settings.tolerance) < worth:
+        if not asked and steps_left(state, state.wanted) < worth:
             state.finish_at = 2 * state.step
             continue
         if (finished := finish(level, part, state, settings, on_block)) is not None:
@@ -151,7 +151,7 @@ def finish(
             state.v[:] = 0.0
             pattern = Pattern(ordering, part.force.closed, len(axes))
             if level.model.relaxed:
-                return _follow(level, part, state, settings.tolerance, pattern, on_step)
+                return _follow(level, part, state, state.wanted, pattern, on_step)
             for _ in range(MOST_ITERATIONS // REFACTOR):
                 metric = Metric(level, pattern, state.r, axes)
                 state.evaluations += metric.evaluations

@@ -20,7 +20,7 @@ import numpy as np
 from fdsolver import damping
 from fdsolver.effects import Force
 from fdsolver.mass import invert, nodal_masses
-from fdsolver.residual import residual, wanted
+from fdsolver.residual import SLACK, residual, wanted
 from fdsolver.result import Status
 
 BLOCK = 10  # steps between two looks at residual and energy
@@ -42,8 +42,8 @@ Evaluate = Callable[
 class Settings:
     """How to relax.
 
-    tolerance : residual at which a state counts as converged; that of a sheet that bears compression has to be smaller
-        under small loads (see `residual.wanted`).
+    tolerance : residual at which a state counts as converged; under small loads it has to be smaller (see
+        `residual.wanted`).
     damping : "adaptive" (viscous, from the Rayleigh quotient), "kinetic", "kinetic-published" [72-73] or "viscous".
     mass : "nodal", "isotropic" or "uniform" (see `mass.nodal_masses`).
     levels : number of nested meshes; None chooses.
@@ -256,7 +256,7 @@ def _look(
         return _recover(force, weight, state, f, finite)
     state.total_energy = energy + kinetic
     state.safe[:] = state.r
-    state.wanted = settings.tolerance if relaxed else wanted(settings.tolerance, energy, weight)
+    state.wanted = wanted(settings.tolerance, energy, weight, SLACK if relaxed else 0.0)
     if state.residual < state.wanted:
         return Status.CONVERGED
     if state.residual < 0.9 * state.best_residual:

@@ -290,10 +290,9 @@ def test_written_scene_has_every_key_of_every_table():
             "max_seconds",
             "published",
             "thicken",
-            "thinning",
             "finish",
         ),
-        *("snapshots", "prestress", "element"),
+        *("snapshots", "prestress", "element", "thinning"),
     }
 
 

@@ -99,16 +99,7 @@ def same_bits(one: Solution, other: Solution) -> None:
     np.testing.assert_array_equal(one.r, other.r)
     for name, column in one.history.items():
         np.testing.assert_array_equal(column, other.history[name], err_msg=name)
-    for name in (
-        "status",
-        "steps",
-        "force_evaluations",
-        "residual",
-        "energy_N_mm",
-        "stability",
-        "warnings",
-        "hourglass",
-    ):
+    for name in SAME:
         assert getattr(one, name) == getattr(other, name), name
     for row, other_row in zip(one.levels, other.levels, strict=True):
         assert {**row, "seconds": 0.0} == {**other_row, "seconds": 0.0}
@@ -143,9 +134,8 @@ def test_nesting_changes_the_way_but_not_the_answer(name: str) -> None:
     nested, single = (solved(name, tolerance=1e-10, levels=levels) for levels in (2, 1))
     assert [level["nodes"] for level in nested.levels][1:] == [single.grid.nodes]
     assert len(single.levels) == 1
-    sign = (
-        np.sign(np.sum(nested.r[..., 2] * single.r[..., 2])) if name == "koiter" else 1.0
-    )  # an arch up or down
+    # an arch up or down
+    sign = np.sign(np.sum(nested.r[..., 2] * single.r[..., 2])) if name == "koiter" else 1.0
     # residual over the softest stiffness, about (1 / cells)^2 with 40 cells across
     np.testing.assert_allclose(
         nested.r * [1.0, 1.0, sign], single.r, rtol=0.0, atol=1e-6 * nested.grid.length_mm

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cases import load_scene, run
 from fdsolver import meshes
 from fdsolver.edges import EdgeCondition
 from fdsolver.grid import Grid
@@ -32,6 +33,22 @@ def test_less_is_wanted_in_proportion_to_a_strain_below_a_tenth(strain: float, s
 def test_no_more_is_wanted_than_rounding_allows() -> None:
     assert wanted(1e-6, 0.0, CELLS) == wanted(1e-6, -1e-20, CELLS) == 20.0 * ROUNDING
     assert wanted(1e-15, 0.0, CELLS) == 1e-15  # unless it is asked for
+
+
+def test_a_slack_sheet_has_an_end() -> None:
+    """Without energy there is no strain to go by; a hundredth of the tolerance is enough."""
+    assert wanted(1e-8, 0.0, CELLS, 0.01) == pytest.approx(1e-10, rel=1e-12)
+    assert wanted(1e-8, 0.5 * 0.05**2 * AREA, CELLS, 0.01) == pytest.approx(0.5e-8, rel=1e-12)
+
+
+def test_a_membrane_that_is_lifted_a_little_pulls_with_the_force_of_the_closed_form() -> None:
+    """A strain of 1e-4: at a residual of 1e-8 the two rims would pull with forces 5 % apart."""
+    scene = load_scene("annulus-lift", {"edges.inner.move_mm": [0.0, 0.0, 2.8]})
+    exact, found = (run(scene, method=method, nodes=2000) for method in ("exact", "tension-field"))
+    expected = float(exact.reactions["inner"].force_N[2])
+    for rim, sign in (("inner", 1.0), ("outer", -1.0)):
+        # second order: 2e-3 on 2 000 nodes
+        assert found.reactions[rim].force_N[2] == pytest.approx(sign * expected, rel=4e-3)
 
 
 def strip(nodes: int) -> Grid:

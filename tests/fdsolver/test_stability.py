@@ -268,9 +268,6 @@ def test_an_interrupted_examination_can_be_made_again() -> None:
         assert state.history == whole.history
 
 
-# The tolerance of what is examined
-
-
 def test_a_flat_state_is_not_called_stable_before_its_compression_has_grown() -> None:
     """At a residual of 1e-4 the pulled silicone strip looks flat and stable; it wrinkles (Zheng 2009)."""
     sheet = Sheet(young_MPa=1.0, poisson=0.5, thickness_mm=0.1)
