@@ -82,16 +82,7 @@ def whole(name: str) -> Solution:
     return WHOLE[name]
 
 
-SAME = (
-    "status",
-    "steps",
-    "force_evaluations",
-    "residual",
-    "energy_N_mm",
-    "stability",
-    "warnings",
-    "hourglass",
-)
+SAME = "status steps force_evaluations residual energy_N_mm stability warnings hourglass".split()
 
 
 def same_bits(one: Solution, other: Solution) -> None:
