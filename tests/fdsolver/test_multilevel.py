@@ -82,7 +82,10 @@ def whole(name: str) -> Solution:
     return WHOLE[name]
 
 
-SAME = "status steps force_evaluations residual energy_N_mm stability warnings hourglass".split()
+SAME = (
+    *("status", "steps", "force_evaluations", "residual", "energy_N_mm"),
+    *("stability", "warnings", "hourglass"),
+)
 
 
 def same_bits(one: Solution, other: Solution) -> None:
