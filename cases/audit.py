@@ -32,7 +32,7 @@ from fdsolver.stability import PLANAR, examine
 
 SMALL = 1e-3  # relative change of a reported quantity that counts as none
 NEGLIGIBLE = (
-    5e-4  # share of the energy, half of SMALL: where all is tense, bending changes forces as much as energies
+    5e-4  # share of the energy, half of SMALL: on taut sheets bending changes forces as much as energies
 )
 # Change of energies and forces when an effect is put back on the result, relative: the state then follows, and full
 # runs found quantities that changed by up to four times as much.

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from cases.boundary import problem_of
+from cases.boundary import problem_of, settings_of
 from cases.methods import METHODS, with_numbers
 from cases.schema import Scene
 from fdsolver.model import KOITER
 from fdsolver.multilevel import solve
-from fdsolver.relax import Settings
 from fdsolver.result import Solution, Status
 
 KEPT_FLAT = replace(KOITER, buckles=False)
@@ -31,12 +30,10 @@ def flat_state(scene: Scene, nodes: int | None = None, tolerance: float | None =
     nodes, tolerance : instead of the scene's. The status may be any of a run's; the sheet is flat to the last bit.
     """
     resolved = with_numbers(scene, METHODS["koiter"], nodes, tolerance)
-    solver = resolved.solver
-    assert solver.tolerance is not None, "with_numbers sets the tolerance"
-    settings = Settings(solver.tolerance, solver.damping, solver.mass, solver.levels)
-    limits = replace(settings, max_steps=solver.max_steps, max_seconds=solver.max_seconds)
+    assert resolved.solver.tolerance is not None, "with_numbers sets the tolerance"
+    settings = settings_of(resolved, resolved.solver.tolerance)
     problem = replace(problem_of(resolved, KEPT_FLAT, seed=0), perturbation=0.0, initial=None)
-    return solve(problem, KEPT_FLAT, limits)
+    return solve(problem, KEPT_FLAT, settings)
 
 
 def energy_gained(wrinkled: Solution, flat: Solution) -> float:

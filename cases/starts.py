@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from cases.boundary import edges_of, grid_of, problem_of
+from cases.boundary import edges_of, grid_of, problem_of, settings_of
 from cases.envelope import mean_wavelength
 from cases.methods import METHODS, with_numbers
 from cases.probe import measure_section, sample_section
@@ -16,7 +16,6 @@ from cases.schema import Scene
 from fdsolver.grid import Grid
 from fdsolver.model import KOITER
 from fdsolver.multilevel import solve
-from fdsolver.relax import Settings
 from fdsolver.result import Solution
 from fdsolver.start import smooth_start
 
@@ -27,12 +26,10 @@ def relax_from(scene: Scene, grid: Grid, r: np.ndarray) -> Solution:
     Without the scene's perturbation: what breaks a symmetry of r is the relaxation alone.
     """
     resolved = with_numbers(scene, METHODS["koiter"], None, None)
-    solver = resolved.solver
-    assert solver.tolerance is not None, "with_numbers sets the tolerance"
-    settings = Settings(solver.tolerance, solver.damping, solver.mass, solver.levels)
-    limits = replace(settings, max_steps=solver.max_steps, max_seconds=solver.max_seconds)
+    assert resolved.solver.tolerance is not None, "with_numbers sets the tolerance"
+    settings = settings_of(resolved, resolved.solver.tolerance)
     problem = problem_of(resolved, KOITER, seed=0)
-    return solve(replace(problem, perturbation=0.0, initial=(grid, r)), KOITER, limits)
+    return solve(replace(problem, perturbation=0.0, initial=(grid, r)), KOITER, settings)
 
 
 def with_waves(

@@ -32,9 +32,7 @@ from fdsolver.taut import follow
 SHIFT = 1e-8  # part of the diagonal added to the metric
 MOST_RELAXED = 200_000  # nodes of a relaxed membrane up to which finishing is tried unasked
 HARD = 500  # steps of a relaxed membrane before the first look at how fast it comes to rest
-WORTH = (
-    5000  # steps of a relaxed membrane that take about as long as finishing it; of a quarter of it, a quarter
-)
+WORTH = 5000  # steps of a relaxed membrane that take about as long as finishing all of it
 PATIENCE = 3  # the steps before an attempt over those before the one that failed
 MEMORY = 20  # pairs of L-BFGS
 REFACTOR = 25  # iterations with one factor
@@ -83,7 +81,7 @@ def relax_or_finish(
         status = relax(*place, pause, on_block, level.project)
         if status is not Status.STEP_LIMIT or state.step >= settings.max_steps:
             return status
-        part = part or (mirrored_part(level) if level.model.relaxed else level)
+        part = part or mirrored_part(level)
         worth = WORTH * part.fixed.size / level.fixed.size
         if not asked and steps_left(state, state.wanted) < worth:
             state.finish_at = 2 * state.step
@@ -151,7 +149,7 @@ def finish(
             state.v[:] = 0.0
             pattern = Pattern(ordering, part.force.closed, len(axes))
             if level.model.relaxed:
-                return _follow(level, part, state, state.wanted, pattern, on_step)
+                return _follow(level, part, state, settings, pattern, on_step)
             for _ in range(MOST_ITERATIONS // REFACTOR):
                 metric = Metric(level, pattern, state.r, axes)
                 state.evaluations += metric.evaluations
@@ -172,30 +170,30 @@ def _follow(
     level: Level,
     part: Level,
     state: State,
-    tolerance: float,
+    settings: Settings,
     pattern: Pattern,
     on_step: Callable[[State], None] | None,
 ) -> Status | None:
-    """Take a relaxed membrane to its equilibrium by the part of it that its mirror images repeat.
+    """Take a relaxed membrane to its equilibrium by a part of it (`mirrored_part`).
 
-    Nothing is assumed by that: the energy is convex, so an equilibrium of the whole sheet is the answer, and whether
-    that of the part is one, the force on the whole sheet tells.
+    Whether the part's equilibrium is one of the whole sheet, the force on that tells.
     """
     r = state.r if part is level else part.scaled(level.unscaled(state.r))
 
-    def record(energy: float, size: float, evaluations: int) -> None:
+    def record(energy: float, size: float, evaluations: int) -> bool:
         if part is not level:
             state.r[:] = np.where(level.fixed, state.r, level.scaled(part.unscaled(r)))
         state.evaluations += evaluations
-        _record(state, energy * part.energy_unit / level.energy_unit, size)
+        _record(level, state, settings, energy * part.energy_unit / level.energy_unit, size)
         if on_step is not None:
             on_step(state)
+        return size < state.wanted
 
-    if not follow(part, r, tolerance, pattern, record):
+    if not follow(part, r, pattern, record):
         return None
     f = np.zeros_like(state.r)
     level.force(state.r, f)
-    return Status.CONVERGED if residual(f, level.weight) < tolerance else None
+    return Status.CONVERGED if residual(f, level.weight) < state.wanted else None
 
 
 def _descend(
@@ -225,8 +223,7 @@ def _descend(
             pairs = [*pairs[1 - MEMORY :], (share * p, change, along)]
         state.r[list(axes)] += share * p
         f = new
-        _record(state, energy, residual(place.force, level.weight))
-        state.wanted = wanted(settings.tolerance, energy, level.weight)
+        _record(level, state, settings, energy, residual(place.force, level.weight))
         if on_step is not None:
             on_step(state)
     return None
@@ -284,8 +281,9 @@ def _along(
     return None
 
 
-def _record(state: State, energy: float, size: float) -> None:
+def _record(level: Level, state: State, settings: Settings, energy: float, size: float) -> None:
     """Count an iteration as a step and append it to the history."""
     state.step += 1
+    state.wanted = wanted(settings.tolerance, energy, level.weight, level.model.relaxed)
     state.residual, state.total_energy = size, energy
     state.history.append((float(state.step), energy, 0.0, size, FINISHED))

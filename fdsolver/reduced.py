@@ -201,9 +201,13 @@ def level_on(problem: Problem, model: Model, grid: Grid, threads: int) -> Level:
 
 
 def mirrored_part(level: Level) -> Level:
-    """The level on a quarter or a half of its sheet, where mesh and loads are mirror images; else the level itself."""
+    """A relaxed level on a quarter or half of its sheet, where mesh and loads are mirror images; else the level itself.
+
+    Nothing is assumed by that: the relaxed energy is convex, so an equilibrium of the whole sheet is the answer. Plates
+    have others that break the symmetry.
+    """
     problem, grid = level.problem, level.grid
-    if problem.symmetry is not None:
+    if problem.symmetry is not None or not level.model.relaxed:
         return level
     for reduce in ("quarter", "half-x", "half-y"):
         symmetry = Symmetry(reduce)

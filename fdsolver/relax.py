@@ -20,7 +20,7 @@ import numpy as np
 from fdsolver import damping
 from fdsolver.effects import Force
 from fdsolver.mass import invert, nodal_masses
-from fdsolver.residual import SLACK, residual, wanted
+from fdsolver.residual import residual, wanted
 from fdsolver.result import Status
 
 BLOCK = 10  # steps between two looks at residual and energy
@@ -256,7 +256,7 @@ def _look(
         return _recover(force, weight, state, f, finite)
     state.total_energy = energy + kinetic
     state.safe[:] = state.r
-    state.wanted = wanted(settings.tolerance, energy, weight, SLACK if relaxed else 0.0)
+    state.wanted = wanted(settings.tolerance, energy, weight, relaxed)
     if state.residual < state.wanted:
         return Status.CONVERGED
     if state.residual < 0.9 * state.best_residual:

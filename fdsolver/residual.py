@@ -2,28 +2,40 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from fdsolver.rows import compiled
 
 USUAL_STRAIN = 0.1  # of a sheet under the loads that tolerances are meant for
 ROUNDING = 5e-15  # residuals over L / L_n that no longer fall: 1e-16 of taut sheets, 3e-15 of a bent column
-
 SLACK = 0.01  # share of the tolerance that is enough for a relaxed membrane: wholly slack, it has no energy to go by
 
 
-def wanted(tolerance: float, energy: float, weight: np.ndarray, least_share: float = 0.0) -> float:
+def wanted(tolerance: float, energy: float, weight: np.ndarray, relaxed: bool) -> float:
     """The residual below which a sheet that holds so much energy counts as at rest.
 
     Forces shrink with the loads. So the tolerance holds for a sheet that is strained by a tenth, and in proportion less
     is left to one that is strained less: pushed together by 1e-4, plates still had two to seven times their energy at a
     residual of 1e-6, and waves half as high as those that they were growing.
-    energy : scaled (Y h L^2). weight : (ni, nj) float64, see `residual`. least_share : of the tolerance.
+    energy : scaled (Y h L^2). weight : (ni, nj) float64, see `residual`. relaxed : whether the model carries no
+    compression.
     """
-    free = weight[weight > 0.0]
-    strain = np.sqrt(2.0 * max(energy, 0.0) / np.sum(free**-2.0))
-    least = max(min(tolerance, ROUNDING * float(free.max())), least_share * tolerance)
-    return max(tolerance * min(1.0, float(strain) / USUAL_STRAIN), least)
+    area, largest = _free_area(weight.reshape(-1))
+    share = min(1.0, math.sqrt(2.0 * max(energy, 0.0) / area) / USUAL_STRAIN)
+    return max(tolerance * max(share, SLACK if relaxed else 0.0), min(tolerance, ROUNDING * largest))
+
+
+@compiled
+def _free_area(weight):
+    """Area of the free nodes over L^2, and the largest weight."""
+    area = largest = 0.0
+    for k in range(weight.size):
+        if weight[k] > 0.0:
+            area += 1.0 / (weight[k] * weight[k])
+            largest = max(largest, weight[k])
+    return area, largest
 
 
 def residual(f: np.ndarray, weight: np.ndarray) -> float:

@@ -39,6 +39,7 @@ KICKED_TOLERANCE = 1e-5  # a state that was kicked once comes to rest at a tenth
 FLAT_TOLERANCE = 1e-7  # of a flat state that is examined: the compression that wrinkles thin sheets is small
 PLANAR = 0.01  # out-of-plane displacement / thickness below which a state is flat
 CONVEX = "the relaxed energy is convex"
+UNKNOWN = "not examined: the tangent is too large, or its lowest eigenvalue was not found"
 UNSETTLED = "not settled: the waves would still change by {:.0%} of their height"
 EXACT = "lowest eigenvalue of the out-of-plane tangent of the flat sheet, against that of the sheet without compression"
 
@@ -179,7 +180,7 @@ def _examine(level: Level, state: State, flat: float) -> Stability:
     r = np.concatenate([state.r, np.zeros_like(state.r[:1])])
     found = lowest_out_of_plane(space.force, r, ~level.fixed, level.problem.seed)
     if found is None:
-        return Stability(False, float("nan"), "not examined: the mesh is too large for its tangent", 0, None)
+        return Stability(False, float("nan"), UNKNOWN, 0, None)
     return Stability(found[0] >= -NEUTRAL, found[0], EXACT, found[2], None)
 
 

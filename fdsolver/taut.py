@@ -35,15 +35,14 @@ LARGEST_SHIFT = 1e-8  # beyond, the step is no Newton step any more
 def follow(
     level: Level,
     r: np.ndarray,
-    tolerance: float,
     pattern: Pattern,
-    record: Callable[[float, float, int], None],
+    record: Callable[[float, float, int], bool],
 ) -> bool:
     """Take the positions r (components, ni, nj) to the equilibrium of the relaxed energy in place; False if it fails.
 
     level : of the sheet, or of one part of a mirrored one. pattern : of the factors, with 2 unknowns a node where the
     sheet stays in its plane. record : called before every step with energy, residual and evaluations of the force since
-    the last time. Raises NotPositiveDefinite where a step has no factor.
+    the last time; returns whether that is the equilibrium. Raises NotPositiveDefinite where a step has no factor.
     """
     components = pattern.axes
     path = _Path(level, np.ascontiguousarray(r[:components]), pattern)
@@ -51,8 +50,7 @@ def follow(
     for _ in range(MOST_STEPS):
         energy = float(level.force(r, pure).sum())
         size = residual(pure, level.weight)
-        record(energy, size, 1 + path.evaluations)
-        if size < tolerance:
+        if record(energy, size, 1 + path.evaluations):
             return True
         path.evaluations = 0
         path.advance()

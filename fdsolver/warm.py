@@ -32,8 +32,7 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
     state = begin(level.scaled(1.01 * level.flat))
     relax(level.force, ~level.fixed, level.weight, state, Settings(max_steps=20, threads=threads))
     if suits(level, Settings()):
-        part = mirrored_part(level) if model.relaxed else level
-        finish(level, part, begin(level.scaled(1.01 * level.flat)), Settings(tolerance=1e-12))
+        finish(level, mirrored_part(level), begin(level.scaled(1.01 * level.flat)), Settings(tolerance=1e-12))
     if not model.relaxed:
         space = level if model.out_of_plane else make_level(tiny, replace(model, out_of_plane=True), grid, 1)
         lowest_out_of_plane(
