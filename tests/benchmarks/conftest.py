@@ -49,6 +49,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 def verify(request: pytest.FixtureRequest) -> Iterator[Verification]:
     """Recorder of one verification run; its entry in benchmarks.json is written when the test ends."""
     root = Path(request.config.getoption("--results")).absolute()
+    root.mkdir(parents=True, exist_ok=True)  # for tables of a test that leaves no result folder
     title = (request.function.__doc__ or "").strip().split("\n")[0]
     verification = Verification(f"{request.path.stem}::{request.node.name}", title, root)
     yield verification

@@ -125,7 +125,6 @@ class Verification:
 
 def save(root: Path, entry: dict[str, object]) -> None:
     """Put an entry into root/benchmarks.json in place of the earlier one of its name; others stay."""
-    root.mkdir(parents=True, exist_ok=True)
     target = root / FILE
     earlier = json.loads(target.read_text(encoding="utf-8"))["runs"] if target.exists() else []
     runs = [run for run in earlier if run["name"] != entry["name"]] + [entry]
