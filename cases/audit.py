@@ -197,7 +197,7 @@ def _symmetry(effect: Effect, solution: Solution, scene: Scene, model: Model) ->
             effect, 0.0, True, "the relaxed energy is convex: its state has the symmetry of the load"
         )
     level, r = _level(solution, scene, replace(model, out_of_plane=True))
-    verdict = examine(level.examined, _at_rest(level, r), solution.seed, _flat(solution))
+    verdict = examine(level, _at_rest(level, r), _flat(solution))
     how = f"whole sheet: {verdict.how}, {verdict.lowest:.2g}"
     return _verdict(effect, verdict.lowest, verdict.stable, how)
 

@@ -5,33 +5,25 @@ one unknown per node. It is measured against B, the tangent of the same sheet wi
 no zone is compressed: K v = t B v. Bending has its full share in both, so t is near one for modes that bend, and the
 sheet buckles where t falls below zero. However fine the mesh, t has the same meaning and separates well, which
 eigenvalues against nodal masses do not: those of long waves sink with the fourth power of the cell.
-
-Shifted and inverted, 1 / (t + s), the lowest values lie far apart and a few iterations find them. That needs a factor
-of K + s B, which exists if and only if all t are above -s: a stable sheet is known by it.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
-from threadpoolctl import threadpool_limits
 
-from fdsolver.cholesky import Cholesky, NotPositiveDefinite, Pattern
+from fdsolver.cholesky import Pattern
 from fdsolver.dissection import dissect
 from fdsolver.effects import Force
-from fdsolver.tangent import Tangent, reach_of, tangent
+from fdsolver.pencil import Pencil
+from fdsolver.tangent import reach_of, tangent
 
 STEP = 1e-9  # displacement, L: the force is odd in it, so differences neither round nor bend at this size
 TENSION = 1.5  # of the largest compressive strain, added all round: more than none is left
 LEAST_TENSION = 1e-9  # strain that keeps B definite on a sheet that is neither bent nor stressed
 MOST_NODES = 200_000  # beyond, the factors of B do not fit the memory of a small machine
-ACCURACY = 1e-4  # of the eigenvalue: of t + s
 # Shifts s: for sheets that are stable but for rounding, and for all. With c the largest compression, K lacks at
 # most c of tension and B keeps at least (TENSION - 1) c, so t is above -1 / (TENSION - 1) where strains are small.
 SHIFTS = (1e-6, 4.0)
-BASIS = 8  # vectors of the iteration: more would take longer to build than to restart
 
 
 def lowest_out_of_plane(
@@ -49,42 +41,11 @@ def lowest_out_of_plane(
     flat[2] = 0.0
     stiffness, metric = (tangent(force, state, (2,), STEP) for state in (flat, _all_tense(force, flat)))
     pattern = Pattern(dissect(free, reach_of(force), force.closed), force.closed, 1)
-    start = np.random.default_rng(seed).standard_normal(int(free.sum()))
-    with threadpool_limits(1, user_api="blas"):  # the same bits on any number of cores
-        tried = (_lowest(stiffness, metric, pattern, free, shift, start) for shift in SHIFTS)
-        found = next((one for one in tried if one is not None), None)
-    if found is None:
-        return None
-    value, vector = found
-    mode = np.zeros(free.shape)
-    mode[free] = vector
-    mode /= mode.ravel()[np.argmax(np.abs(mode))]
-    return value, mode, stiffness.evaluations + metric.evaluations
-
-
-def _lowest(
-    stiffness: Tangent, metric: Tangent, pattern: Pattern, free: np.ndarray, shift: float, start: np.ndarray
-) -> tuple[float, np.ndarray] | None:
-    """Lowest t of K v = t B v and its v over the free nodes; None where t is below -shift and no iteration finds it."""
-    loose = np.flatnonzero(free)
-    try:
-        factor = Cholesky(replace(stiffness, values=stiffness.values + shift * metric.values), pattern)
-    except NotPositiveDefinite:
-        return None
-
-    def inverse(right: np.ndarray) -> np.ndarray:
-        field = np.zeros((1, *free.shape))
-        field[0, free] = right.ravel()
-        return factor.solve(field)[0, free]
-
-    k, b = (part.matrix()[loose][:, loose] for part in (stiffness, metric))
-    operator = LinearOperator(k.shape, matvec=inverse, dtype=float)
-    basis = min(BASIS, loose.size)
-    try:
-        values, vectors = eigsh(k, 1, b, -shift, OPinv=operator, v0=start, tol=ACCURACY, ncv=basis)
-    except (RuntimeError, ArpackError, ArpackNoConvergence):
-        return None
-    return float(values[0]), vectors[:, 0]
+    pencil = Pencil(stiffness, metric, pattern, free)
+    for shift in SHIFTS:
+        if (factor := pencil.factor(shift)) is not None and (found := pencil.lowest(factor, shift, seed)):
+            return found[0], found[1][0], pencil.evaluations
+    return None
 
 
 def _all_tense(force: Force, flat: np.ndarray) -> np.ndarray:

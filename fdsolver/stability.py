@@ -1,10 +1,11 @@
 """Is an equilibrium stable? The lowest eigenvalue of its tangent.
 
 A relaxation can come to rest on an unstable equilibrium: the residual of a flat sheet falls below any tolerance long
-before its wrinkles grow. Planar states are judged by their exact out-of-plane tangent (`planar`). For states in space
-a Lanczos iteration looks for negative eigenvalues of the tangent K against the nodal masses m of the relaxation,
-K v = w m v: a Ritz value is never below the lowest eigenvalue, so a negative one proves instability; that none is found
-is no proof of stability where waves are much longer than the cells.
+before its wrinkles grow. Planar states are judged by their exact out-of-plane tangent (`planar`), bent plates by a
+factor of theirs (`spatial`). For meshes too large for that, membranes, and parts of sheets, Lanczos iteration looks for
+negative eigenvalues of the tangent K against the nodal masses m of the relaxation, K v = w m v: a Ritz value is never
+below the lowest eigenvalue, so a negative one proves instability; that none is found is no proof of stability where
+waves are much longer than the cells.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from fdsolver.relax import Settings, State, kick
 from fdsolver.result import Status
 from fdsolver.rows import compiled
 from fdsolver.settled import Growth, growth_to_come
+from fdsolver.spatial import examinable, lowest_in_space
 
 MOST_STEPS = 800
 LOOK_EVERY = 50
@@ -41,6 +43,8 @@ PLANAR = 0.01  # out-of-plane displacement / thickness below which a state is fl
 CONVEX = "the relaxed energy is convex"
 UNKNOWN = "not examined: the tangent is too large, or its lowest eigenvalue was not found"
 UNSETTLED = "not settled: the waves would still change by {:.0%} of their height"
+FACTOR = "factor of the tangent: no eigenvalue of it, against that of the flat sheet's bending, is below this"
+BENT = "lowest eigenvalue of the tangent, against that of the flat sheet's bending"
 EXACT = "lowest eigenvalue of the out-of-plane tangent of the flat sheet, against that of the sheet without compression"
 
 
@@ -59,19 +63,23 @@ class Stability:
     mode: np.ndarray | None
 
 
-def examine(force: Force, state: State, seed: int = 0, flat: float = 0.0) -> Stability:
-    """Look for a direction in which the equilibrium `state` is unstable.
+def examine(level: Level, state: State, flat: float = 0.0) -> Stability:
+    """Look for a direction in which the equilibrium `state` of a level is unstable.
 
-    The state's masses and positions are read, not changed. seed : of the random start, which makes this repeatable.
-    flat : range of z, L, up to which the state counts as planar.
+    The state's masses and positions are read, not changed. flat : range of z, L, up to which the state counts as
+    planar.
     """
+    force, seed = level.examined, level.problem.seed
     if force.local and np.ptp(state.r[2]) <= flat:
-        found = lowest_out_of_plane(force, state.r, state.inverse_mass[2] > 0.0, seed)
-        if found is not None:
-            lowest, shape, evaluations = found
+        if (planar := lowest_out_of_plane(force, state.r, ~level.fixed, seed)) is not None:
+            lowest, shape, evaluations = planar
             mode = np.stack([0.0 * shape, 0.0 * shape, shape])
             stable = lowest >= -NEUTRAL
             return Stability(stable, lowest, EXACT, evaluations, None if stable else mode)
+    elif examinable(force):
+        found = lowest_in_space(force, state.r, level.scaled(level.flat), level.weight, seed)
+        if found is not None:
+            return Stability(found[1] is None, found[0], FACTOR if found[1] is None else BENT, *found[2:0:-1])
     return search(force, state, seed)
 
 
@@ -174,7 +182,7 @@ def _relax_to_examine(
 def _examine(level: Level, state: State, flat: float) -> Stability:
     """`examine` the state of a level; one that is computed in the plane, in space."""
     if len(state.r) == 3:
-        return examine(level.examined, state, level.problem.seed, flat)
+        return examine(level, state, flat)
     level, state = unfolded(level, state)
     space = Level(level.problem, replace(level.model, out_of_plane=True), level.grid, 1)
     r = np.concatenate([state.r, np.zeros_like(state.r[:1])])

@@ -15,6 +15,7 @@ from fdsolver.planar import lowest_out_of_plane
 from fdsolver.problem import Problem
 from fdsolver.reduced import mirrored_part
 from fdsolver.relax import Settings, begin, relax
+from fdsolver.spatial import examinable, lowest_in_space
 from fdsolver.stability import search
 
 
@@ -40,4 +41,6 @@ def compile_kernels(problem: Problem, model: Model, threads: int) -> float:
         )
         if model.out_of_plane:
             search(level.force, state)
+        if examinable(level.examined):
+            lowest_in_space(level.examined, state.r, level.scaled(level.flat), level.weight, 0)
     return time.perf_counter() - started

@@ -13,7 +13,7 @@ from cases.unstructured import FiniteElementSolution
 MESHES = (700, 1400, 2800)
 ELEMENTS = {"argyris": MESHES, "bogner-fox-schmit": (2800, 5600)}
 STRAINS = (0.02, 0.03, 0.05, 0.07, 0.1, 0.13, 0.16, 0.18, 0.2, 0.22, 0.25)
-# of the map, on which a point takes 12 s on both meshes: five curves, with the strain of the largest compression among their points
+# of the map, on which a point takes 12 s: five curves, with the strain of the largest compression among their points
 ASPECTS = (1.0, 1.5, 2.0, 2.5, 4.0)
 MAP_STRAINS = (0.03, 0.05, 0.1, 0.15, 0.2, 0.22)
 AGREE = 5e-3  # what the project asks of two elements

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fdsolver import meshes, planar
+from fdsolver import meshes, pencil, planar
 from fdsolver.effects import Force, build_force
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
@@ -74,7 +74,7 @@ def test_value_and_mode_are_those_of_the_dense_eigenproblem(name: str, stretch: 
     )
     assert np.linalg.eigvalsh(metric).min() > 0.0
     values = eigh(stiffness, metric, eigvals_only=True)
-    assert value == pytest.approx(values[0], rel=10 * planar.ACCURACY, abs=1e-6)
+    assert value == pytest.approx(values[0], rel=10 * pencil.ACCURACY, abs=1e-6)
     assert mode.max() == 1.0 or mode.min() == -1.0
     assert not mode[fixed].any()
     shape = mode.ravel()[loose]
@@ -96,7 +96,7 @@ def test_a_stable_sheet_is_known_by_its_factor_and_an_unstable_one_takes_the_lar
         assert other is not None
         assert (one is not None) == small == (other[0] > 0.0)
         if one is not None:
-            assert one[0] == pytest.approx(other[0], abs=5.0 * planar.ACCURACY)
+            assert one[0] == pytest.approx(other[0], abs=5.0 * pencil.ACCURACY)
             np.testing.assert_allclose(one[1], other[1], atol=0.02)
 
 
@@ -195,4 +195,4 @@ def test_the_start_is_repeatable() -> None:
     first, second, other = (lowest_out_of_plane(force, r, ~rim(grid), seed) for seed in (1, 1, 2))
     assert first is not None and second is not None and other is not None
     np.testing.assert_array_equal(first[1], second[1])
-    assert other[0] == pytest.approx(first[0], rel=10 * planar.ACCURACY)
+    assert other[0] == pytest.approx(first[0], rel=10 * pencil.ACCURACY)

@@ -57,9 +57,9 @@ def strip(nodes: int) -> Grid:
     return meshes.rectangle(20.0, 4.0, nodes)
 
 
-@pytest.mark.parametrize("times", [4.0, 12.0, 25.0, 50.0])
+@pytest.mark.parametrize("times", [4.0, 12.0, 50.0, 100.0, 300.0])
 def test_a_column_that_a_small_load_pushes_has_the_energy_of_one_half_wave(times: float) -> None:
-    """Euler: beyond the critical strain c the stress stays at Y c, so E = Y h A (c e - c^2 / 2), here for e <= 8e-5."""
+    """Euler: beyond the critical strain c the stress stays at Y c, so E = Y h A (c e - c^2 / 2), here for e <= 3e-4."""
     thickness = 0.02
     critical = (np.pi / 20.0 * thickness) ** 2 / 12.0
     strain = times * critical
