@@ -6,7 +6,8 @@
                       wrinkles would hold of the energy follows from stress and shortening of the result
     strain_gradient   change of energies and of force when the effect is put back on the result
     kinematics        the same
-    symmetry          stability of the whole sheet against the modes that the reduced one excludes
+    symmetry          stability of the whole sheet against the modes that the reduced one excludes, and whether the mesh
+                      resolves its wrinkles: others are as many as the mesh and the start make them
 
 Forces on a planar state vanish by symmetry and prove nothing about it; the curvature of slack or folded zones is noise.
 """
@@ -17,8 +18,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from cases.advice import FEWEST_NODES_PER_WRINKLE
 from cases.boundary import problem_of
 from cases.effects import JUSTIFIED, NOT_JUSTIFIED, Effect, Effects
+from cases.probe import nodes_per_wrinkle, sample_section
 from cases.schema import Scene
 from cases.survey import Wrinkles, tension_length_mm, wrinkles_of
 from fdsolver.fields import TENSE
@@ -199,7 +202,12 @@ def _symmetry(effect: Effect, solution: Solution, scene: Scene, model: Model) ->
     level, r = _level(solution, scene, replace(model, out_of_plane=True))
     verdict = examine(level, _at_rest(level, r), _flat(solution))
     how = f"whole sheet: {verdict.how}, {verdict.lowest:.2g}"
-    return _verdict(effect, verdict.lowest, verdict.stable, how)
+    sections = [sample_section(solution.grid, solution.r, line) for line in scene.sections.values()]
+    nodes = nodes_per_wrinkle(sections, solution.sheet.thickness_mm)
+    resolved = nodes is None or nodes >= FEWEST_NODES_PER_WRINKLE
+    if not resolved:
+        how += f"; its wrinkles have {nodes:.1f} nodes each, too few to be those of any other mesh or start"
+    return _verdict(effect, verdict.lowest, verdict.stable and resolved, how)
 
 
 def _flat(solution: Solution) -> float:

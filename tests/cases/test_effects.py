@@ -228,6 +228,19 @@ def test_a_state_with_an_excluded_mode_is_not_justified() -> None:
     assert dataclasses.asdict(effects["symmetry"])["size"] < 0.0
 
 
+@pytest.mark.parametrize(("thickness_mm", "verdict"), [(0.01, "not justified"), (0.5, "justified")])
+def test_a_quarter_of_a_plate_is_justified_where_its_wrinkles_are_resolved(
+    thickness_mm: float, verdict: str
+) -> None:
+    """At 0.01 mm the wrinkles of a quarter and of the whole sheet differ by a tenth in length on such meshes."""
+    reduced = {"symmetry.reduce": "quarter", "sheet.thickness_mm": thickness_mm, "mesh.nodes": 1200}
+    solution, scene = solved("hole", "koiter", **reduced)
+    assert (solution.status, solution.stability["stable"]) == (Status.CONVERGED, True)
+    symmetry = effects_of(METHODS["koiter"], solution, scene)["symmetry"]
+    assert symmetry.justified == verdict
+    assert ("nodes each" in symmetry.why) == (verdict == "not justified")
+
+
 def test_moderate_rotations_keep_the_wrinkles_that_finite_strains_lose() -> None:
     """A strip pulled by 30 %: Green's strain leaves it no compression, the linear one does (Zheng 2009)."""
     decided = {}
