@@ -28,13 +28,14 @@ POLL_SECONDS = 0.05
 
 def hard_cases() -> tuple[HardCase, ...]:
     """All hard cases, family by family."""
+    from cases.hard_columns import column_cases
     from cases.hard_loads import load_cases
     from cases.hard_meshes import mesh_cases
     from cases.hard_scenes import scene_cases
     from cases.hard_starts import start_cases
     from cases.hard_steps import step_cases
 
-    return (*scene_cases(), *load_cases(), *mesh_cases(), *start_cases(), *step_cases())
+    return (*scene_cases(), *load_cases(), *mesh_cases(), *start_cases(), *step_cases(), *column_cases())
 
 
 def run_hard(

@@ -22,6 +22,7 @@ from cases.survey import NODES, Survey, survey
 from fdsolver.grid import quality
 from fdsolver.model import Model
 from fdsolver.multilevel import level_nodes
+from fdsolver.spatial import MOST_NODES
 from fdsolver.symmetry import reduction
 
 PER_WRINKLE = 8.0
@@ -32,6 +33,7 @@ BYTES_PER_COMPONENT = 8 * (
 BYTES_OF_CONSTANTS = {"none": 8 * 5, "linear": 8 * 16, "full": 8 * 17}
 BYTES_OF_HOURGLASS = 8 * 3  # of a plate in its plane
 BYTES_OF_TANGENT = 4000  # of a flat state, its factor and the vectors of its lowest eigenvalue
+BYTES_OF_PROOF = 11_000  # of a bent state: tangent, factor and their pattern (5 000 to 20 000 nodes)
 BASE_MB = 250.0  # interpreter, compiled kernels and libraries
 LONGEST_CELL = 2.5  # ratio of a cell's sides beyond which checkerboards grew in published runs
 MUCH_SLACK = 0.3
@@ -90,7 +92,7 @@ def plan(scene: Scene, method: str = "auto", accuracy: float | None = None) -> P
         nodes_per_wrinkle=per_wrinkle,
         steps=round(sum(tried.steps(counts))),
         cpu_seconds=tried.seconds(counts),
-        memory_MB=_memory(counts[-1], model, tried.examined > 0.0),
+        memory_MB=_memory(counts, model, tried.examined > 0.0),
         warnings=tuple(_warnings(sized, found, tried, per_wrinkle if chosen.wrinkles else math.inf)),
     )
 
@@ -127,13 +129,17 @@ def _solved_nodes(scene: Scene) -> list[int]:
     return [round(share * count) for count in counts]
 
 
-def _memory(nodes: int, model: Model, examined: bool) -> float:
+def _memory(counts: list[int], model: Model, examined: bool) -> float:
+    nodes = counts[-1]
     per_node = model.components * BYTES_PER_COMPONENT + BYTES_OF_CONSTANTS[model.curvature]
     if model.bending and not model.out_of_plane:
         per_node += BYTES_OF_HOURGLASS
     if examined:
         per_node += BYTES_OF_TANGENT
-    return BASE_MB + nodes * per_node / 2**20
+    proved = 0
+    if model.curvature != "none":
+        proved = max((count for count in counts if count <= MOST_NODES), default=0)
+    return BASE_MB + (nodes * per_node + proved * BYTES_OF_PROOF) / 2**20
 
 
 def _warnings(scene: Scene, found: Survey, tried: Pilot, per_wrinkle: float) -> list[str]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
 from threadpoolctl import threadpool_limits
 
@@ -24,7 +23,8 @@ BASIS = 8  # vectors of the iteration: more would take longer to build than to r
 class Pencil:
     """K v = t B v over the free nodes.
 
-    stiffness, metric : K and B. pattern : of the factors of both. free : (ni, nj) bool.
+    stiffness : K. metric : of one component; B is the same for each, and couples none with another. pattern : of the
+    factors. free : (ni, nj) bool.
     """
 
     stiffness: Tangent
@@ -39,7 +39,9 @@ class Pencil:
 
     def factor(self, shift: float) -> Cholesky | None:
         """Of K + shift B; None where an eigenvalue is at or below -shift."""
-        values = self.stiffness.values + shift * self.metric.values
+        values = self.stiffness.values.copy()
+        for axis in range(self.pattern.axes):
+            values[..., axis, axis] += shift * self.metric.values[..., 0, 0]
         try:
             with threadpool_limits(1, user_api="blas"):  # the same bits on any number of cores
                 return Cholesky(replace(self.stiffness, values=values), self.pattern)
@@ -51,26 +53,30 @@ class Pencil:
 
         factor : of this shift. seed : of the start.
         """
-        loose = np.flatnonzero(np.repeat(self.free.ravel(), self.pattern.axes))
+        count, axes = int(self.free.sum()), self.pattern.axes
+        loose = np.flatnonzero(self.free)
+        b = self.metric.matrix()[loose][:, loose]
 
         def inverse(right: np.ndarray) -> np.ndarray:
-            return self._unknowns(factor.solve(self._field(right.ravel())))
+            return self._unknowns(factor.solve(self._field(right)))
 
-        k, b = (self._over(part, loose) for part in (self.stiffness, self.metric))
-        start = np.random.default_rng(seed).standard_normal(loose.size)
-        operator = LinearOperator(k.shape, matvec=inverse, dtype=float)
-        basis = min(BASIS, loose.size)
+        def weighted(v: np.ndarray) -> np.ndarray:
+            return (b @ v.reshape(count, axes)).ravel()
+
+        shape = (axes * count, axes * count)
+        inverted, metric = (LinearOperator(shape, matvec=each, dtype=float) for each in (inverse, weighted))
+        start = np.random.default_rng(seed).standard_normal(axes * count)
+        basis = min(BASIS, axes * count)
         try:
             with threadpool_limits(1, user_api="blas"):
-                values, vectors = eigsh(k, 1, b, -shift, OPinv=operator, v0=start, tol=ACCURACY, ncv=basis)
+                # shifted and inverted, K itself is not asked for
+                values, vectors = eigsh(
+                    inverted, 1, metric, -shift, OPinv=inverted, v0=start, tol=ACCURACY, ncv=basis
+                )
         except (RuntimeError, ArpackError, ArpackNoConvergence):
             return None
         mode = self._field(vectors[:, 0])
         return float(values[0]), mode / mode.ravel()[np.argmax(np.abs(mode))]
-
-    @staticmethod
-    def _over(part: Tangent, loose: np.ndarray) -> csc_matrix:
-        return part.matrix()[loose][:, loose]
 
     def _field(self, unknowns: np.ndarray) -> np.ndarray:
         """(axes, ni, nj) of the unknowns, node after node; zero at fixed nodes."""

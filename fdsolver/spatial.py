@@ -11,8 +11,6 @@ Such t are 1e-4 and less where wrinkles are resolved. So a state counts as stabl
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from fdsolver.cholesky import Pattern
@@ -65,11 +63,6 @@ def lowest_in_space(
 def _pencil(force: Force, r: np.ndarray, flat: np.ndarray, weight: np.ndarray) -> Pencil:
     free = weight > 0.0
     stiffness, bending = tangent(force, r, (0, 1, 2)), tangent(force, flat, (2,), STEP)
-    metric = np.zeros_like(stiffness.values)
-    bed = np.zeros_like(weight)
-    bed[free] = BED / weight[free] ** 2
-    for axis in range(3):
-        metric[..., axis, axis] = bending.values[..., 0, 0]
-        metric[:, :, bending.reach, bending.reach, axis, axis] += bed
+    bending.values[:, :, bending.reach, bending.reach, 0, 0][free] += BED / weight[free] ** 2
     pattern = Pattern(dissect(free, reach_of(force), force.closed), force.closed, 3)
-    return Pencil(stiffness, replace(bending, values=metric), pattern, free)
+    return Pencil(stiffness, bending, pattern, free)
