@@ -5,6 +5,8 @@ grid-convergence index (`cases.mesh_sequence`), with the order taken as at most 
 assumed order and earn the larger safety factor of that case. A sequence that does not converge in that way is refused:
 the reason stands where the number would.
 
+With its estimate comes the limit: where the values on the meshes lead.
+
 Iteration error: near equilibrium every quantity approaches its value in proportion to the residual, so what changed
 since the residual was larger, times the ratio of the residuals, is what further iterations would still change.
 """
@@ -36,7 +38,8 @@ class ErrorEstimate:
     """Estimated errors of one quantity, in its unit.
 
     discretisation : None where the meshes allow no estimate; `how` has the reason. iteration : None where the run
-    gives none. order : observed order of convergence, None where it was not observed.
+    gives none. order : observed order of convergence, None where it was not observed. limit : where the values on the
+    meshes lead (Richardson 1911), mostly nearer to the truth than the value; None with the discretisation error.
     """
 
     quantity: str
@@ -45,6 +48,7 @@ class ErrorEstimate:
     iteration: float | None
     order: float | None
     how: str
+    limit: float | None = None
 
     @property
     def total(self) -> float | None:
@@ -73,7 +77,8 @@ def errors_of(solution: Solution, scene: Scene) -> list[ErrorEstimate]:
             error, order, how = discretisation_error(zones, values, formal, iteration or 0.0)
             if name == HIGHEST_NODE and not _highest_is_held(solution):
                 error, order, how = None, None, "refused: no node stands on the crest, on any of the meshes"
-            estimates.append(ErrorEstimate(name, value, error, iteration, order, how))
+            limit = None if error is None else _limit(zones, values, order or formal)
+            estimates.append(ErrorEstimate(name, value, error, iteration, order, how, limit))
     return estimates
 
 
@@ -123,6 +128,13 @@ def discretisation_error(
     order = min(limit.order, formal)
     error = max(SAFETY * change / (ratio**order - 1.0), limit.error_of_finest)
     return error, limit.order, f"{len(values)} meshes, order observed, safety factor {SAFETY:g}"
+
+
+def _limit(zones: Sequence[int], values: Sequence[float], order: float) -> float:
+    """The value on ever finer meshes, from those on the last two, if errors fall with this order."""
+    if zones[-1] == zones[-2]:
+        return values[-1]
+    return values[-1] + (values[-1] - values[-2]) / ((zones[-1] / zones[-2]) ** (0.5 * order) - 1.0)
 
 
 def _iteration(value: float, before: float | None, solution: Solution) -> float | None:

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
 LOOKS = {
     "wrinklebench": ("#0072B2", "o"),
+    "wrinklebench, limit": ("#56B4E9", "*"),
     "ngsolve": ("#D55E00", "s"),
     "dolfinx": ("#009E73", "D"),
     "felupe": ("#CC79A7", "^"),
@@ -39,7 +40,7 @@ def side_by_side(figure: FigureBase, runs: Sequence[Mapping[str, Any]], problems
                     color=shade,
                     marker=marker,
                     label=peer,
-                    linewidth=1.8 if peer == "wrinklebench" else 1.0,
+                    linewidth=1.8 if peer.startswith("wrinklebench") else 1.0,
                 )
             for run in mine:
                 if run["status"] != "converged":

@@ -18,12 +18,16 @@ FILE = "error-coverage.json"  # beside the other results, for the report
 
 @dataclass
 class Coverage:
-    """What became of the estimates of one quantity; ratios : estimate over true error; reasons : of refusals."""
+    """What became of the estimates of one quantity.
+
+    ratios : estimate over true error. limits : error of the limit over that of the value. reasons : of refusals.
+    """
 
     estimates: int = 0
     refused: int = 0
     inside: int = 0
     ratios: list[float] = field(default_factory=list)
+    limits: list[float] = field(default_factory=list)
     reasons: Counter[str] = field(default_factory=Counter)
 
     def add(self, other: Coverage) -> None:
@@ -32,6 +36,7 @@ class Coverage:
         self.refused += other.refused
         self.inside += other.inside
         self.ratios += other.ratios
+        self.limits += other.limits
         self.reasons += other.reasons
 
     @property
@@ -59,6 +64,7 @@ def covered(cases: Iterable[Case]) -> tuple[int, dict[str, Coverage]]:
             one.inside += int(error <= estimate.total + rounding)
             if error > rounding:
                 one.ratios.append(float(estimate.total / error))
+                one.limits.append(abs(float(estimate.limit - truth)) / error)
     return runs, found
 
 
@@ -99,6 +105,12 @@ def test_estimated_errors_contain_the_true_ones(verify):
         float(np.median(everything.ratios)),
         5.0,
         "a bound far above the error would be true and useless",
+    )
+    verify.below(
+        "median error of the limit over that of the value",
+        float(np.median(everything.limits)),
+        0.5,
+        "else it were not worth giving",
     )
     verify.below(
         "share of refused estimates",

@@ -100,6 +100,7 @@ def test_every_result_carries_its_errors(nested):
         "iteration",
         "order",
         "how",
+        "limit",
     }
     assert stored["energy_N_mm.total"]["value"] == solution.energy_N_mm["total"]
     # the iteration error is the smaller part, or the tolerance were the wrong one
@@ -121,6 +122,8 @@ def test_the_true_error_is_inside_the_estimate(nested):
         assert estimate.order == pytest.approx(2.0, abs=0.3), name  # the scheme is of second order
         # within a factor of 5, as a bound that is useful; below, the true error were outside
         assert error <= estimate.total <= 5.0 * error, name
+        # of second order on meshes of which each is twice as fine: what is left is of fourth, or from the order
+        assert abs(estimate.limit - truth) < 0.25 * error, name
 
 
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-7])

@@ -30,7 +30,7 @@ from cases.machine import machine
 from cases.mesh_sequence import mesh_limit
 
 HERE = Path(__file__).resolve().parent
-OWN = "wrinklebench"
+OWN, LIMIT = "wrinklebench", "wrinklebench, limit"
 SHARED = "problem"  # meshes and starts, which no peer is charged with
 PROBLEMS = {
     "annulus": ("energy_N_mm", "torque_N_mm"),
@@ -170,8 +170,16 @@ def compare(pythons: dict[str, str], seconds: int, out: Path, problems: list[str
             if "No module named" in row.get("message", ""):
                 omitted[peer] = row["message"]
                 break
-            runs.append(row)
+            runs += rows_of(row)
         write(runs, omitted, out)  # what was found so far: a comparison takes long
+
+
+def rows_of(row: dict[str, Any]) -> list[dict[str, Any]]:
+    """The row of a run, and one of its limits where it has one of every quantity, at no further cost."""
+    limits = row.pop("limits", {})
+    if None in limits.values() or not limits:
+        return [row]
+    return [row, {**row, "peer": LIMIT, "values": limits}]
 
 
 def write(runs: list[dict[str, Any]], omitted: dict[str, str], out: Path) -> None:

@@ -1,11 +1,17 @@
-"""wrinklebench itself, answering as its peers do."""
+"""wrinklebench itself, answering as its peers do, with the limits that its result gives beside the values."""
 
 from problem import answer, asked, solve_or_say
 
 from cases import load_scene, run
+from cases.errors import errors_of
 from cases.machine import code
 
 METHODS = {"annulus": "tension-field", "hole": "tension-field", "stretch": "koiter"}
+NAMES = {
+    "annulus": {"energy_N_mm": "energy_N_mm.total", "torque_N_mm": "reactions.inner.moment_N_mm.z"},
+    "hole": {"energy_N_mm": "energy_N_mm.total", "force_N": "reactions.top.force_N.y"},
+    "stretch": {"rms_mm": "sections.midsection.rms_mm"},
+}
 PROBLEM, NODES = asked()
 
 
@@ -14,19 +20,13 @@ def solve():
     solution = run(scene, METHODS[PROBLEM], nodes=NODES)
     if solution.status.value != "converged":
         raise ArithmeticError(solution.message)
-    values = {"energy_N_mm": solution.energy_N_mm["total"]}
-    if PROBLEM == "annulus":
-        values["torque_N_mm"] = float(solution.reactions["inner"].moment_N_mm[2])
-    else:
-        values["force_N"] = float(solution.reactions["top"].force_N[1])
-    if PROBLEM == "stretch":
-        from cases.probe import measure_section, sample_section
-
-        section = sample_section(solution.grid, solution.r, scene.sections["midsection"])
-        values["rms_mm"] = measure_section(section, scene.sheet.thickness_mm).rms_mm
+    found = {error.quantity: error for error in errors_of(solution, scene)}
+    names = NAMES[PROBLEM]
+    values = {name: found[quantity].value for name, quantity in names.items()}
+    limits = {name: found[quantity].limit for name, quantity in names.items()}
     unknowns = solution.grid.nodes * (2 if PROBLEM == "hole" else 3)
     versions = {"wrinklebench": f"{code()['version'] or 'source'} {code()['source_sha256'][:8]}"}
-    answer(values, solution.cpu_seconds, unknowns, solution.steps, versions)
+    answer(values, solution.cpu_seconds, unknowns, solution.steps, versions, limits)
 
 
 if __name__ == "__main__":

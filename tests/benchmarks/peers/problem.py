@@ -141,10 +141,21 @@ class Clock:
 
 
 def answer(
-    values: dict[str, float], seconds: float, unknowns: int, iterations: int, versions: dict[str, str]
+    values: dict[str, float],
+    seconds: float,
+    unknowns: int,
+    iterations: int,
+    versions: dict[str, str],
+    limits: dict[str, float | None] | None = None,
 ) -> None:
-    """Print what was found. seconds : of CPU, of assembling and solving, without meshing and compiling."""
+    """Print what was found.
+
+    seconds : of CPU, of assembling and solving, without meshing and compiling. limits : extrapolated values, of a
+    program that gives them.
+    """
     found = {"values": values, "cpu_seconds": seconds, "unknowns": unknowns, "iterations": iterations}
+    if limits is not None:
+        found["limits"] = limits
     print(json.dumps({"status": "converged", **found, "versions": versions}))
 
 
