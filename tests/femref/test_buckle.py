@@ -63,6 +63,17 @@ def test_distance_bounds_hold_and_are_sharp_for_a_wrong_factor(wrong: float) -> 
         assert bounds == pytest.approx(1e-4, rel=1e-6)  # rounding, a hundredth of a millionth of it
 
 
+def test_distance_bounds_are_measured_by_the_energy_of_bending() -> None:
+    """Two modes of factors 1 and 10, a million times apart in stiffness, the first with 1e-5 of the second in it.
+
+    r = K w + f G w = ((1 - f) w1, 1e6 (1 - f / 10) w2), its square in the norm of K^-1 over that of w in K by hand.
+    """
+    bending, geometric = csc_array(np.diag([1.0, 1e6])), csc_array(np.diag([-1.0, -1e5]))
+    factor, shape = np.array([1.0 + 1e-4]), np.array([[1.0], [1e-5]])
+    square = (1e-8 + 1e6 * (1e-5 * (1.0 - factor[0] / 10.0)) ** 2) / (1.0 + 1e6 * 1e-10)
+    assert distance_bounds(bending, geometric, factor, shape) == pytest.approx(np.sqrt(square), rel=1e-9)
+
+
 def test_the_residual_is_that_of_the_worst_factor(monkeypatch: pytest.MonkeyPatch) -> None:
     bending, geometric, _ = small_pencil()
     bounds = np.array([1e-9, 7e-9, 2e-9])
