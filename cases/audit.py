@@ -31,7 +31,7 @@ from fdsolver.model import KOITER, Model
 from fdsolver.relax import State, begin
 from fdsolver.residual import residual
 from fdsolver.result import Solution
-from fdsolver.stability import PLANAR, examine
+from fdsolver.stability import HELD_FLAT, PLANAR, examine
 
 SMALL = 1e-3  # relative change of a reported quantity that counts as none
 NEGLIGIBLE = (
@@ -80,6 +80,8 @@ def _out_of_plane(effect: Effect, solution: Solution, scene: Scene, model: Model
     stable, lowest = solution.stability.get("stable"), solution.stability.get("lowest")
     size = float(lowest) if isinstance(lowest, int | float) else float("nan")
     how = f"lowest out-of-plane eigenvalue {size:.2g}"
+    if solution.stability.get("how") == HELD_FLAT:
+        return _verdict(effect, size, True, HELD_FLAT)
     if stable is True and model.bending is False and not model.relaxed:
         how += " without bending, which would only raise it"
     return _verdict(effect, size, stable is True, how)

@@ -14,11 +14,13 @@ import numpy as np
 from fdsolver.cholesky import Pattern
 from fdsolver.dissection import dissect
 from fdsolver.effects import Force
+from fdsolver.membrane import OWN_KINEMATICS
 from fdsolver.pencil import Pencil
 from fdsolver.tangent import reach_of, tangent
 
 STEP = 1e-9  # displacement, L: the force is odd in it, so differences neither round nor bend at this size
 TENSION = 1.5  # of the largest compressive strain, added all round: more than none is left
+ROUNDING = 1e-14  # strain below which compression is none
 LEAST_TENSION = 1e-9  # strain that keeps B definite on a sheet that is neither bent nor stressed
 MOST_NODES = 200_000  # beyond, the factors of B do not fit the memory of a small machine
 # Shifts s: for sheets that are stable but for rounding, and for all. With c the largest compression, K lacks at
@@ -48,8 +50,22 @@ def lowest_out_of_plane(
     return None
 
 
+def is_tense(force: Force, r: np.ndarray) -> bool:
+    """Whether no zone of a planar state (2 or 3 components, ni, nj), scaled, is compressed in any direction.
+
+    Then nothing needs to be solved: tension and bending only hold the sheet in its plane. Laws with a strain of their
+    own are left to the eigenvalue.
+    """
+    return type(force.law) not in OWN_KINEMATICS and _compression(force, r) <= ROUNDING
+
+
 def _all_tense(force: Force, flat: np.ndarray) -> np.ndarray:
     """The planar state scaled up until every zone is tense in every direction."""
+    return flat * np.sqrt(1.0 + TENSION * _compression(force, flat) + LEAST_TENSION)
+
+
+def _compression(force: Force, flat: np.ndarray) -> float:
+    """How much larger squared lengths have to be for no zone to be compressed; 0 where none is."""
     g1x, g1y, g2x, g2y, _ = force.zone
     far = np.roll(flat, -1, axis=1) if force.closed else flat[:, 1:]
     near = flat if force.closed else flat[:, :-1]
@@ -60,5 +76,4 @@ def _all_tense(force: Force, flat: np.ndarray) -> np.ndarray:
     nu = force.law.poisson  # type: ignore[attr-defined]  # every law has one
     # E2 + nu E1 of a state scaled by s is (s^2 ((1 + nu) mean - (1 - nu) radius) - (1 + nu)) / 2
     stress_free = (1.0 + nu) / np.maximum((1.0 + nu) * mean - (1.0 - nu) * radius, 1e-3)
-    needed = max(float(stress_free.max()) - 1.0, 0.0)
-    return flat * np.sqrt(1.0 + TENSION * needed + LEAST_TENSION)
+    return max(float(stress_free.max()) - 1.0, 0.0)

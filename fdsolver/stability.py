@@ -21,7 +21,7 @@ from fdsolver.damping import twice_kinetic_in_space
 from fdsolver.effects import Force
 from fdsolver.finish import relax_or_finish
 from fdsolver.level import Level
-from fdsolver.planar import lowest_out_of_plane
+from fdsolver.planar import is_tense, lowest_out_of_plane
 from fdsolver.reduced import unfolded
 from fdsolver.relax import Settings, State, kick
 from fdsolver.result import Status
@@ -42,6 +42,7 @@ FLAT_TOLERANCE = 1e-7  # of a flat state that is examined: the compression that 
 PLANAR = 0.01  # out-of-plane displacement / thickness below which a state is flat
 CONVEX = "the relaxed energy is convex"
 UNKNOWN = "not examined: the tangent is too large, or its lowest eigenvalue was not found"
+HELD_FLAT = "no zone is compressed: tension and bending hold the sheet in its plane"
 UNSETTLED = "not settled: the waves would still change by {:.0%} of their height"
 FACTOR = "factor of the tangent: no eigenvalue of it, against that of the flat sheet's bending, is below this"
 BENT = "lowest eigenvalue of the tangent, against that of the flat sheet's bending"
@@ -71,6 +72,8 @@ def examine(level: Level, state: State, flat: float = 0.0) -> Stability:
     """
     force, seed = level.examined, level.problem.seed
     if force.local and np.ptp(state.r[2]) <= flat:
+        if is_tense(force, state.r):
+            return Stability(True, 0.0, HELD_FLAT, 1, None)
         if (planar := lowest_out_of_plane(force, state.r, ~level.fixed, seed)) is not None:
             lowest, shape, evaluations = planar
             mode = np.stack([0.0 * shape, 0.0 * shape, shape])
@@ -184,6 +187,8 @@ def _examine(level: Level, state: State, flat: float) -> Stability:
     if len(state.r) == 3:
         return examine(level, state, flat)
     level, state = unfolded(level, state)
+    if is_tense(level.force, state.r):
+        return Stability(True, 0.0, HELD_FLAT, 1, None)
     space = Level(level.problem, replace(level.model, out_of_plane=True), level.grid, 1)
     r = np.concatenate([state.r, np.zeros_like(state.r[:1])])
     found = lowest_out_of_plane(space.force, r, ~level.fixed, level.problem.seed)

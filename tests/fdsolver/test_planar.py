@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh
@@ -11,7 +13,7 @@ from fdsolver.effects import Force, build_force
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.model import KOITER, MEMBRANE
-from fdsolver.planar import lowest_out_of_plane
+from fdsolver.planar import is_tense, lowest_out_of_plane
 from fdsolver.tangent import tangent as sparse_tangent
 from tests.dense import tangent
 from tests.sample_meshes import small_meshes
@@ -179,6 +181,29 @@ def test_flat_unstressed_sheet_on_one_support_turns_freely() -> None:
     assert abs(found[0]) < 1e-3
     x = grid.u[..., 0] - grid.u[0, 0, 0]
     np.testing.assert_allclose(found[1], x / x.max(), atol=1e-3)
+
+
+@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize(("across", "tense"), [(1.0 - 1e-9, False), (1.0, True), (1.02, True)])
+def test_a_sheet_is_tense_where_no_stress_is_below_zero(name: str, across: float, tense: bool) -> None:
+    """Pulled along x, the stress across is (E2 + nu E1) Y / (1 - nu^2): zero at E2 = -nu E1."""
+    grid = MESHES[name]
+    force = held(grid, "pinned", THICK)
+    pull = 1.05
+    free = np.sqrt(1.0 - THICK.poisson * (pull**2 - 1.0))
+    r = uniform(grid, pull, free * across * (1.0 + 1e-15))
+    assert is_tense(force, r) is tense
+    assert is_tense(build_force(grid, THICK, replace(KOITER, out_of_plane=False), {}), r[:2]) is tense
+    found = lowest_out_of_plane(force, r, ~rim(grid), 0)
+    assert found is not None
+    assert found[0] > 0.0 or not tense
+
+
+def test_a_sheet_under_moderate_rotations_is_left_to_the_eigenvalue() -> None:
+    """Where Green's strain has no compression left at a large pull, the linear one has."""
+    grid = MESHES["uniform"]
+    force = build_force(grid, THICK, replace(KOITER, moderate=True), dict.fromkeys(grid.edges, "pinned"))
+    assert not is_tense(force, uniform(grid, 1.1, 1.1))
 
 
 def test_meshes_too_large_and_without_free_nodes_are_left_to_others(monkeypatch: pytest.MonkeyPatch) -> None:
