@@ -30,12 +30,16 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text cells; the unit stands in the column's head.  `wide` columns may wrap."""
+    """A table of text cells; the unit stands in the column's head.  `wide` columns may wrap.
+
+    folded : too long to be read through: closed on the page until a reader opens it, and left out of the PDF.
+    """
 
     caption: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     wide: tuple[int, ...] = ()
+    folded: bool = False
 
 
 @dataclass(frozen=True)

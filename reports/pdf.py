@@ -133,6 +133,8 @@ def _section(pages: Pages, section: Section, new_page: bool) -> None:
     for block in section.blocks:
         if isinstance(block, Drawing):
             _drawing(pages, block)
+        elif isinstance(block, Table) and block.folded:
+            _paragraph(pages, f"{block.caption} Its {len(block.rows)} rows are on the web page.", BODY_PT)
         elif isinstance(block, Table):
             _table(pages, block)
         else:

@@ -130,6 +130,9 @@ def test_verification_shows_value_limit_and_reason(read):
     ):
         assert words in text
     assert "Annulus against its <closed> form" in text
+    assert "Every quantity of the verification runs, with its limit. 1 rows." in text
+    assert [tag for tag, _ in read.tags].count("details") == 1  # closed until a reader opens it
+    assert re.search(r"limits held.*failed *0 of 1", text)
 
 
 def test_footer_has_versions_and_machine(read):

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from reports.content import Drawing, Table
+from reports.content import Drawing, Report, Section, Table
 from reports.pdf import BOTTOM, PAGE_IN, TOP, write_pdf
 from reports.pdf_text import column_widths, width_in, wrap
 
@@ -27,6 +27,16 @@ def test_pdf_has_a4_pages(pdf, report):
         # A4 in points, to the hundredth of an inch in which the page is given
         assert float(width) == pytest.approx(595.3, abs=0.72)
         assert float(height) == pytest.approx(841.9, abs=0.72)
+
+
+def test_a_folded_table_is_left_to_the_page(tmp_path):
+    rows = tuple((f"quantity {k}", "1.0") for k in range(500))
+    sizes = []
+    for folded in (False, True):
+        section = Section("long", "Long", [Table("Every quantity.", ("what", "value"), rows, folded=folded)])
+        write_pdf(Report("Title", "Subtitle", [section], []), tmp_path / "report.pdf")
+        sizes.append((tmp_path / "report.pdf").read_bytes().count(b"/MediaBox"))
+    assert sizes[0] > 5 and sizes[1] == 1
 
 
 def test_every_drawing_fits_on_a_page(report):
