@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from reports.style import colour
+from reports.style import colour, label_sparsely
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,6 +47,8 @@ def cost(fig: FigureBase, rows: Sequence[Row], solvers: Mapping[str, str]) -> No
         ax.set(title=title, xlabel="unknowns (–)", ylabel=unit)
         if ax.lines:
             ax.legend(fontsize=6.5)
+            label_sparsely(ax.xaxis)
+            label_sparsely(ax.yaxis)
 
 
 def _line(ax: Axes, rows: Sequence[Row], key: str, marker: str, shade: str, solver: str, label: str) -> None:

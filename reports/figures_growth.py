@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from reports.style import colour, line, method_name
+from reports.style import colour, label_sparsely, line, method_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +23,7 @@ def scaling(figure: FigureBase, methods: Mapping[str, Rows]) -> None:
         for method, rows in methods.items():
             _line(ax, rows, key, color=colour(method), linestyle=line(method), label=method_name(method))
         if k == 0:
+            ax.set_ylim(top=30.0 * ax.get_ylim()[1])  # room for the legend
             ax.legend(loc="upper left", fontsize=6.5)
 
 
@@ -32,8 +33,11 @@ def roads(figure: FigureBase, found: Mapping[str, Rows]) -> None:
         ax = _axes(figure, k, label)
         for (road, rows), shade in zip(found.items(), ROAD_COLOURS, strict=False):
             _line(ax, rows, key, color=shade, label=road)
+        label_sparsely(ax.xaxis)
         if k == 0:
+            ax.set_ylim(top=3.0 * ax.get_ylim()[1])
             ax.legend(loc="upper left")
+        label_sparsely(ax.yaxis)
 
 
 def _axes(figure: FigureBase, k: int, label: str) -> Axes:

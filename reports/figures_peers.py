@@ -22,6 +22,7 @@ FAILED_AT = 1.03  # of the height of the axes
 
 def side_by_side(figure: FigureBase, runs: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> None:
     """One panel per problem; a cross above the frame is a run without an answer, at the time it used."""
+    curves = {}
     for k, problem in enumerate(problems):
         ax = figure.add_subplot(1, len(problems), k + 1)
         ax.set_xscale("log")
@@ -34,7 +35,7 @@ def side_by_side(figure: FigureBase, runs: Sequence[Mapping[str, Any]], problems
             mine = [run for run in runs if (run["peer"], run["problem"]) == (peer, problem)]
             good = [run for run in mine if "error" in run]
             if good:
-                ax.plot(
+                (curves[peer],) = ax.plot(
                     [run["cpu_seconds"] for run in good],
                     [max(run["error"], SMALLEST) for run in good],
                     color=shade,
@@ -52,4 +53,4 @@ def side_by_side(figure: FigureBase, runs: Sequence[Mapping[str, Any]], problems
                         transform=ax.get_xaxis_transform(),
                         clip_on=False,
                     )
-        ax.legend(fontsize=6.5)
+    figure.legend(list(curves.values()), list(curves), loc="outside lower center", ncols=6, columnspacing=1.0)

@@ -38,6 +38,7 @@ def stability_map(fig: FigureBase, over: Columns, thickness_mm: float) -> None:
         _thickness(ax, thickness_mm)
         ax.set(ylabel=LEAST_STABLE, title=f"({letter})")
         ax.set_ylim(bottom=0.0)
+    left.set_ylim(top=1.3 * left.get_ylim()[1])  # room for the legend
     left.set_xlabel("strain (%)")
     left.legend(title="height over width", ncols=2)
     right.set_xlabel("height over width (–)")

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axis import Axis
 
 METHOD_COLOURS: Mapping[str, str] = {  # Okabe and Ito's set, told apart by colour-blind readers
     "koiter": "#0072B2",
@@ -109,3 +112,19 @@ def power_of_ten(value: float) -> str:
 def whole(value: float) -> str:
     """A count with thin spaces between thousands; an en dash for NaN."""
     return "–" if math.isnan(value) else f"{round(value):,}".replace(",", "\u2009")
+
+
+def label_sparsely(axis: Axis) -> None:
+    """Label a logarithmic axis of less than two decades at 1, 2 and 5 only, where every power of ten is too little.
+
+    To be called when the data are drawn.
+    """
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    axis.set_minor_formatter(NullFormatter())
+    if low > 0.0 and high < 100.0 * low:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(
+            FuncFormatter(lambda value, _: whole(value) if value >= 1.0 else f"{value:g}")
+        )
