@@ -53,8 +53,8 @@ def lowest_out_of_plane(
 def is_tense(force: Force, r: np.ndarray) -> bool:
     """Whether no zone of a planar state (2 or 3 components, ni, nj), scaled, is compressed in any direction.
 
-    Then nothing needs to be solved: tension and bending only hold the sheet in its plane. Laws with a strain of their
-    own are left to the eigenvalue.
+    Then nothing needs to be solved: B is K itself, and t is one. Laws with a strain of their own are left to the
+    eigenvalue.
     """
     return type(force.law) not in OWN_KINEMATICS and _compression(force, r) <= ROUNDING
 

@@ -73,7 +73,7 @@ def examine(level: Level, state: State, flat: float = 0.0) -> Stability:
     force, seed = level.examined, level.problem.seed
     if force.local and np.ptp(state.r[2]) <= flat:
         if is_tense(force, state.r):
-            return Stability(True, 0.0, HELD_FLAT, 1, None)
+            return Stability(True, 1.0, HELD_FLAT, 1, None)
         if (planar := lowest_out_of_plane(force, state.r, ~level.fixed, seed)) is not None:
             lowest, shape, evaluations = planar
             mode = np.stack([0.0 * shape, 0.0 * shape, shape])
@@ -188,7 +188,7 @@ def _examine(level: Level, state: State, flat: float) -> Stability:
         return examine(level, state, flat)
     level, state = unfolded(level, state)
     if is_tense(level.force, state.r):
-        return Stability(True, 0.0, HELD_FLAT, 1, None)
+        return Stability(True, 1.0, HELD_FLAT, 1, None)
     space = Level(level.problem, replace(level.model, out_of_plane=True), level.grid, 1)
     r = np.concatenate([state.r, np.zeros_like(state.r[:1])])
     found = lowest_out_of_plane(space.force, r, ~level.fixed, level.problem.seed)
