@@ -17,7 +17,7 @@ from fdsolver.result import Solution
 from fdsolver.verdict import LEFT_OVER
 
 Quantities = Mapping[str, float]
-ROUNDING = 1e-6
+BALANCED = 1e-3  # share of what the tension carries below which the force of an edge is none
 OF_THE_PHASE = (".max_abs", ".amplitude_mm")
 
 
@@ -78,11 +78,12 @@ def _scale(key: str, runs: Iterable[Quantities], scene: Scene) -> float:
         part = key.split(".")[2]
         runs = list(runs)
         energy = max(run["energy_N_mm.total"] for run in runs)
-        # sqrt(2 E Y h) is a tension times the root of the area; a part in 1e6 of it is rounding
-        carried = ROUNDING * (2.0 * energy * scene.material.young_MPa * scene.sheet.thickness_mm) ** 0.5
+        # a tension times the root of the area
+        carried = (2.0 * energy * scene.material.young_MPa * scene.sheet.thickness_mm) ** 0.5
         if part == "moment_N_mm":
             carried *= size_mm(scene)
-        return max(carried, *(abs(run[other]) for run in runs for other in run if f".{part}." in other))
+        largest = max(abs(run[other]) for run in runs for other in run if f".{part}." in other)
+        return largest if largest > BALANCED * carried else carried
     if kind == "energy_N_mm":
         return max(run["energy_N_mm.total"] for run in runs)
     floor = scene.sheet.thickness_mm if _is_height(key) else 0.0
