@@ -8,12 +8,17 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fdsolver import meshes, pencil, planar
+from fdsolver import meshes, pencil, planar, stability
+from fdsolver.edges import EdgeCondition
 from fdsolver.effects import Force, build_force
 from fdsolver.grid import Grid
+from fdsolver.level import Level
 from fdsolver.material import Sheet
-from fdsolver.model import KOITER, MEMBRANE
+from fdsolver.model import KOITER, MEMBRANE, Model
 from fdsolver.planar import is_tense, lowest_out_of_plane
+from fdsolver.problem import Problem
+from fdsolver.relax import Settings, begin
+from fdsolver.result import Status
 from fdsolver.tangent import tangent as sparse_tangent
 from tests.dense import tangent
 from tests.sample_meshes import small_meshes
@@ -198,6 +203,24 @@ def test_a_sheet_is_tense_where_no_stress_is_below_zero(name: str, across: float
     assert found is not None
     if tense:
         assert found[0] == pytest.approx(1.0, abs=1e-3)  # B has a strain of 1e-9 more
+
+
+@pytest.mark.parametrize("model", [KOITER, replace(KOITER, out_of_plane=False)], ids=["space", "plane"])
+def test_a_strip_that_is_pulled_is_stable_without_any_eigenvalue(
+    model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError("nothing is to be solved")
+
+    monkeypatch.setattr(stability, "lowest_out_of_plane", never)
+    grid = meshes.rectangle(SIDE, 0.4 * SIDE, 400)
+    pull = {"left": (0.0, 0.0, 0.0), "right": (0.02 * SIDE, 0.0, 0.0)}
+    edges = {name: EdgeCondition("pinned", move_mm=move) for name, move in pull.items()}
+    sheet = replace(THICK, poisson=0.0)
+    level = Level(Problem(sheet, edges, grid, lambda n: grid, perturbation=0.0), model, grid, threads=1)
+    status, verdict = stability.relax_to_stable(level, begin(level.start()), Settings(tolerance=1e-9))
+    assert status is Status.CONVERGED
+    assert verdict == {"stable": True, "how": stability.HELD_FLAT, "lowest": 1.0}
 
 
 def test_a_sheet_under_moderate_rotations_is_left_to_the_eigenvalue() -> None:

@@ -100,19 +100,6 @@ def test_strip_below_the_load_stays_flat_and_is_stable() -> None:
     assert verdict["lowest"] > stability.NEUTRAL
 
 
-@pytest.mark.parametrize("model", [KOITER, replace(KOITER, out_of_plane=False)], ids=["space", "plane"])
-def test_a_strip_that_is_pulled_is_stable_without_any_eigenvalue(
-    model: Model, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def never(*_: object) -> None:
-        raise AssertionError("nothing is to be solved")
-
-    monkeypatch.setattr(stability, "lowest_out_of_plane", never)
-    level = strip(-0.02, model)
-    status, verdict = relax_to_stable(level, begin(level.start()), TIGHT)
-    assert (status, verdict["stable"], verdict["how"]) == (Status.CONVERGED, True, stability.HELD_FLAT)
-
-
 def test_equilibrium_that_kicks_do_not_leave_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stability, "MOST_KICKS", 2)
     monkeypatch.setattr(
