@@ -122,7 +122,7 @@ def _table(runs: Sequence[Mapping[str, Any]]) -> Table:
 
 def _failures(runs: Sequence[Mapping[str, Any]]) -> Text:
     items = tuple(
-        f"{run['peer']}, {run['problem']}, mesh {run['mesh']}: {run['message']}"
+        f"{run['peer']}, {run['problem']}, mesh {run['mesh']}: {' '.join(run['message'].split())}"
         for run in runs
         if run["status"] != "converged"
     )

@@ -18,7 +18,7 @@ def run(peer, unknowns, seconds, error=None):
         "mesh": unknowns,
         "lines": 70,
         "status": "converged" if found else "failed",
-        "message": "gave up",
+        "message": "gave\nup ",
         "unknowns": unknowns,
         "process_cpu_seconds": 2.0 * seconds,
         "memory_MB": 100.0,
