@@ -1,4 +1,4 @@
-"""Stability of equilibria in space: proved by a Cholesky factor of the tangent.
+"""Stability of equilibria in space: bounded by a Cholesky factor of the tangent.
 
 The tangent K is measured as that of planar states is (`planar`), against the bending of the displacement: K v = t B v,
 where v . B v is twice the bending energy of the flat sheet displaced by v, for each component alike. A column in its
@@ -22,11 +22,8 @@ from fdsolver.tangent import reach_of, tangent
 
 NEUTRAL = 0.01  # above minus this an eigenvalue is zero
 BED = 1e-7  # of a bed of springs in B, in Y h / L^2: with NEUTRAL, eigenvalues that rounding of the tangent makes
-SHIFTS = (
-    1.0,
-    1e2,
-    1e4,
-)  # tried for the mode of an unstable state; those beyond are found by other ways as well
+# tried for the mode of an unstable state; those beyond are found by other ways as well
+SHIFTS = (1.0, 1e2, 1e4)
 MOST_NODES = 25_000  # a factor takes 1.5 s there, as long as 3 000 steps
 
 

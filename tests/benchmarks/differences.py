@@ -2,9 +2,8 @@
 
 The phase of wrinkles is the seed's. Their largest heights go with it, so of wrinkled sheets, which have several full
 runs, the root mean squares are compared instead; and a difference is what lies beyond the range of the full runs. It
-is relative: energies to the total one, forces and moments to the largest of their kind or, where these balance within
-each edge, to what the sheet's tension carries across it, stretches to the largest strain, heights to the larger of the
-full height and the thickness, wavelengths to themselves.
+is relative: energies to the total one, forces and moments to the largest of their kind, stretches to
+the largest strain, heights to the larger of the full height and the thickness, wavelengths to themselves.
 """
 
 from __future__ import annotations
@@ -12,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from cases.quantities import quantities
-from cases.schema import AnnulusSheet, Scene
+from cases.schema import Scene
 from fdsolver.result import Solution
 from fdsolver.verdict import LEFT_OVER
 
 Quantities = Mapping[str, float]
-BALANCED = 1e-3  # share of what the tension carries below which the force of an edge is none
 OF_THE_PHASE = (".max_abs", ".amplitude_mm")
 
 
@@ -56,16 +54,6 @@ def differences(lean: Quantities, full: Sequence[Quantities], scene: Scene) -> d
     return found
 
 
-def size_mm(scene: Scene) -> float:
-    """The sheet's largest dimension."""
-    sheet = scene.sheet
-    return (
-        2.0 * sheet.outer_radius_mm
-        if isinstance(sheet, AnnulusSheet)
-        else max(sheet.width_mm, sheet.height_mm)
-    )
-
-
 def _is_height(key: str) -> bool:
     return key.startswith("out_of_plane_mm") or key.endswith((".amplitude_mm", ".rms_mm"))
 
@@ -76,14 +64,7 @@ def _scale(key: str, runs: Iterable[Quantities], scene: Scene) -> float:
         return max(abs(run[part] - 1.0) for run in runs for part in run if part.startswith("stretch."))
     if kind == "reactions":
         part = key.split(".")[2]
-        runs = list(runs)
-        energy = max(run["energy_N_mm.total"] for run in runs)
-        # a tension times the root of the area
-        carried = (2.0 * energy * scene.material.young_MPa * scene.sheet.thickness_mm) ** 0.5
-        if part == "moment_N_mm":
-            carried *= size_mm(scene)
-        largest = max(abs(run[other]) for run in runs for other in run if f".{part}." in other)
-        return largest if largest > BALANCED * carried else carried
+        return max(abs(run[other]) for run in runs for other in run if f".{part}." in other)
     if kind == "energy_N_mm":
         return max(run["energy_N_mm.total"] for run in runs)
     floor = scene.sheet.thickness_mm if _is_height(key) else 0.0

@@ -54,8 +54,9 @@ def height(solution: Solution) -> np.ndarray:
         ("stretch", pulled(10.0), UNIFORM, 6000),
         ("stretch", pulled(5.0), {}, 12000),
         ("stretch", pulled(20.0), UNIFORM, 12000),
+        ("shear", sheared(0.05), {}, 20000),
     ],
-    ids=["10", "10-fine", "10-finest", "10-uniform", "5", "20-uniform"],
+    ids=["10", "10-fine", "10-finest", "10-uniform", "5", "20-uniform", "shear-0.05"],
 )
 def test_on_healthy_meshes_it_gives_the_same_wrinkles(verify, scene, load, keys, nodes):
     """The published scheme from the conservative scheme's wrinkles: where it comes to rest on a healthy mesh"""
@@ -80,8 +81,8 @@ def test_on_healthy_meshes_it_gives_the_same_wrinkles(verify, scene, load, keys,
         verify.below(
             f"{variant}: difference of the bending energy",
             abs(found.energy_N_mm["bending"] / known.energy_N_mm["bending"] - 1.0),
-            limit=1e-2,
-            reason="it goes with the square of the height",
+            limit=1e-2 if scene == "stretch" else 5e-2,
+            reason="it goes with the square of the height; the layer beside clamps, 0.5 mm, is thinner than a cell",
         )
         verify.note(
             f"{variant}: CPU seconds of a force over the conservative one's",
@@ -89,10 +90,9 @@ def test_on_healthy_meshes_it_gives_the_same_wrinkles(verify, scene, load, keys,
         )
 
 
-@pytest.mark.parametrize(("move_mm", "nodes"), [(0.5, 10000), (0.05, 20000)])
-def test_on_the_sheared_sheet_its_coarse_wrinkles_are_a_checkerboard(verify, move_mm, nodes):
-    """The published scheme on the sheared sheet, 5 and 14 nodes to a half-wave: what survives without control"""
-    load, name = sheared(move_mm), f"published-shear-{move_mm:g}"
+def test_on_the_sheared_sheet_its_coarse_wrinkles_are_a_checkerboard(verify):
+    """The published scheme on the sheet sheared by 0.5 mm, 5 nodes to a half-wave: what survives without control"""
+    load, nodes, name = sheared(0.5), 10000, "published-shear-0.5"
     known, folder = solved(verify, f"{name}-koiter", "shear", "koiter", nodes, load)
     start = {**load, "start.from": str(folder), "start.perturbation": 0.0}
     found, cured = (

@@ -51,14 +51,10 @@ def test_bending_where_the_sheet_is_tense_is_not_left_out(verify: Verification) 
         verify.note(f"{name}: share of the zones that is tense", tense)
         verify.note(f"{name}: operations of a step that it could save", row["most_saved"])
         verify.note(f"{name}: node-steps over those of the whole plate", row["steps"])
-        verify.note(f"{name}: difference, of {quantity}", difference)
-        work = row["steps"] * (1.0 - row["most_saved"])
-        verify.note(f"{name}: work at least, over that of the whole plate", work)
-        verify.equal(
-            f"{name}: saves a quarter and changes nothing",
-            difference <= MOST_DIFFERENT and work <= 0.75,
-            False,
-            "the ground on which it was dropped: the pulled strip's wrinkles reach into what the tension field calls"
-            " tense, the holed sheet has little that is tense",
+        verify.above(
+            f"{name}: difference, of {quantity}",
+            difference,
+            MOST_DIFFERENT,
+            "the ground on which it was dropped: wrinkles reach into what the tension field calls tense",
         )
     write_rows(verify.root, "restricted", rows)

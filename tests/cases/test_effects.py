@@ -49,6 +49,8 @@ def test_a_plate_without_compression_is_planar_and_the_audit_proves_it() -> None
     assert solution.stability["stable"] is True
     judged = audit(solution, scene, model, effects)
     assert judged["out_of_plane"].justified == "justified"
+    # tension holds the plane as stiffly as bending
+    assert judged["out_of_plane"].size == pytest.approx(1.0, abs=0.1)
     assert "no zone is compressed" in judged["out_of_plane"].why
     assert not not_justified(judged)
 

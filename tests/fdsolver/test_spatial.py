@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.linalg import eigh
@@ -23,7 +21,7 @@ from tests.dense import tangent
 LENGTH, WIDTH = 20.0, 4.0
 
 
-def column(nodes: int, thickness_mm: float, waves: int, model: Any = KOITER) -> tuple[Level, np.ndarray]:
+def column(nodes: int, thickness_mm: float, waves: int) -> tuple[Level, np.ndarray]:
     """A pinned strip without lateral contraction, shortened to its equilibrium in so many half-waves.
 
     Twice the strain of their critical load goes half into the waves A sin(n k x), which take up (n k A)^2 / 4.
@@ -34,7 +32,7 @@ def column(nodes: int, thickness_mm: float, waves: int, model: Any = KOITER) -> 
     ends = {"left": critical * LENGTH, "right": -critical * LENGTH}
     edges = {name: EdgeCondition("pinned", move_mm=(move, 0.0, 0.0)) for name, move in ends.items()}
     problem = Problem(Sheet(3500.0, 0.0, thickness_mm), edges, grid, lambda n: grid, perturbation=0.0)
-    level = Level(problem, model, grid, threads=1)
+    level = Level(problem, KOITER, grid, threads=1)
     r = level.start()
     x = grid.u[..., 0] - grid.u[0, 0, 0]
     r[2] = np.where(level.fixed, 0.0, 2.0 * np.sqrt(critical) / k * np.sin(k * x) / grid.length_mm)
