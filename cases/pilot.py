@@ -2,7 +2,8 @@
 
 On a mesh that starts from the next coarser one's state the steps grow with the nodes along the sheet, that is with the
 square root of the nodes, and somewhat less where the coarse state is already good. How many they are at all depends on
-the wrinkles, on slack and on the tolerance, and is not known without a run.
+the wrinkles, on slack and on the tolerance, and is not known without a run. The pilot's coarse mesh is the coarsest of
+the run itself: there a sheet that folds over can need many times the steps that it needs on a mesh a little coarser.
 """
 
 from __future__ import annotations
@@ -11,16 +12,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from cases.boundary import problem_of, settings_of
+from cases.boundary import grid_of, problem_of, settings_of
 from cases.schema import Scene
 from cases.survey import loads_in_plane
 from fdsolver.finish import MOST_RELAXED
 from fdsolver.model import Model
 from fdsolver.multilevel import level_nodes, solve
+from fdsolver.problem import Problem
 from fdsolver.result import Status
 
-NODES = 5000  # of the pilot's fine mesh, a quarter on its coarse one
-MOST_STEPS = 60_000
+NODES = 5000  # of the pilot's fine mesh, at least
+OVER_COARSE = 2  # nodes of its fine mesh over those of its coarse one, at least
+MOST_STEPS = 100_000
 MOST_SECONDS = 20.0
 # Steps per square root of the nodes, over those on a mesh with a quarter of the nodes: plates 0.6 to 1.1, relaxed
 # membranes 0.7 to 1.2 on meshes from 5 000 to 80 000 nodes.
@@ -74,19 +77,20 @@ def pilot(scene: Scene, model: Model, tolerance: float, node_seconds: float) -> 
 
     The finisher is used if the run on the scene's own mesh would use it.
     """
-    nodes = min(NODES, scene.mesh.nodes)
-    coarse = replace(scene, mesh=scene.mesh.model_copy(update={"nodes": nodes}))
+    counts = level_nodes(grid_of(scene)(scene.mesh.nodes).nodes, scene.solver.levels)
+    nodes = min(max(NODES, OVER_COARSE * counts[0]) if len(counts) > 1 else NODES, scene.mesh.nodes)
     solver = scene.solver
     finishes = solver.finish != "off" and (not model.relaxed or scene.mesh.nodes <= MOST_RELAXED)
     settings = replace(
         settings_of(scene, tolerance),
-        levels=len(level_nodes(nodes, None)) if solver.levels is None else min(solver.levels, 2),
+        levels=min(len(counts), 2),
         finish=solver.finish if finishes else "off",
         max_steps=MOST_STEPS,
         max_seconds=MOST_SECONDS,
         snapshots=0,
     )
-    solution = solve(problem_of(coarse, model, seed=0), model, settings)
+    smaller = replace(scene, mesh=scene.mesh.model_copy(update={"nodes": nodes}))
+    solution = solve(_like_a_coarse_level(problem_of(smaller, model, seed=0), counts, scene), model, settings)
     levels = tuple(
         (int(level["nodes"]), int(level["steps"]), int(level["force_evaluations"] - level["steps"]))
         for level in solution.levels
@@ -94,3 +98,10 @@ def pilot(scene: Scene, model: Model, tolerance: float, node_seconds: float) -> 
     examined = 0.0 if model.relaxed or not loads_in_plane(scene) else EXAMINED
     finished = solution.status is Status.CONVERGED
     return Pilot(levels, finished, node_seconds, examined, solution.cpu_seconds)
+
+
+def _like_a_coarse_level(problem: Problem, counts: Sequence[int], scene: Scene) -> Problem:
+    """The problem with the run's coarsest mesh as its own, and as thick as the run has it on a mesh of these nodes."""
+    thicker = counts[-1] / problem.grid.nodes if scene.solver.thicken else 1.0
+    sheet = replace(problem.sheet, thickness_mm=thicker * problem.sheet.thickness_mm)
+    return replace(problem, sheet=sheet, grid_of=lambda _: problem.grid_of(counts[0]))

@@ -9,10 +9,14 @@ import pytest
 
 from cases import load_scene, rates, run
 from cases.__main__ import main
+from cases.boundary import problem_of, settings_of
+from cases.effects import decide
 from cases.methods import MethodError
-from cases.pilot import FINER, Pilot
+from cases.pilot import FINER, Pilot, pilot
 from cases.plan import lines, plan
 from cases.rates import rate
+from fdsolver.model import KOITER
+from fdsolver.multilevel import solve
 from tensionfield.relaxed import TENSION_FIELD
 
 
@@ -70,6 +74,18 @@ def test_a_pilot_foretells_finer_meshes() -> None:
     assert still.seconds([1000, 4000, 15_000]) == pytest.approx(
         2.0
     )  # nothing but the examination, node by node
+
+
+@pytest.mark.parametrize("name", ["stretch", "hole"])
+def test_a_pilot_s_coarse_mesh_is_the_run_s_own(name: str) -> None:
+    """The plate with a hole is thicker on coarse meshes, and on that one it folds over if it is not thick enough."""
+    scene = load_scene(name, {"mesh.nodes": 9000})
+    model, _ = decide(scene, KOITER)
+    settings = settings_of(scene, 1e-6)
+    tried = pilot(scene, model, settings.tolerance, node_seconds=1e-7)
+    own = solve(problem_of(scene, model, seed=0), model, settings).levels[0]
+    assert tried.levels[0][:2] == (own["nodes"], own["steps"])
+    assert tried.levels[1][0] < 0.7 * scene.mesh.nodes
 
 
 @pytest.mark.parametrize(("name", "method"), [("annulus", "tension-field"), ("stretch", "koiter")])
