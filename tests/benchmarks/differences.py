@@ -3,7 +3,9 @@
 The phase of wrinkles is the seed's. Their largest heights go with it, so of wrinkled sheets, which have several full
 runs, the root mean squares are compared instead; and a difference is what lies beyond the range of the full runs. It
 is relative: energies to the total one, forces and moments to the largest of their kind, stretches to
-the largest strain, heights to the larger of the full height and the thickness, wavelengths to themselves.
+the largest strain, heights to the larger of the full height and the thickness, wavelengths to themselves. Where every
+run is flat but for what is left of its random start, so are its heights, and forces across the sheet and moments about
+axes in it have no other source.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from fdsolver.verdict import LEFT_OVER
 
 Quantities = Mapping[str, float]
 OF_THE_PHASE = (".max_abs", ".amplitude_mm")
+OF_HEIGHTS = (".force_N.z", ".moment_N_mm.x", ".moment_N_mm.y")
 
 
 def reported(solution: Solution, scene: Scene) -> dict[str, float]:
@@ -40,6 +43,10 @@ def differences(lean: Quantities, full: Sequence[Quantities], scene: Scene) -> d
     The smallest stretch is left out where any of them is slack: it is not unique there.
     """
     keys = dict.fromkeys(key for run in (lean, *full) for key in run)
+    flat = all(
+        run.get("out_of_plane_mm.max_abs", 0.0) <= LEFT_OVER * scene.sheet.thickness_mm
+        for run in (lean, *full)
+    )
     slack = any("stretch.minor_min" not in run for run in (lean, *full))
     found = {}
     for key in keys:
@@ -49,6 +56,8 @@ def differences(lean: Quantities, full: Sequence[Quantities], scene: Scene) -> d
         value = lean.get(key, 0.0)
         beyond = max(min(values) - value, value - max(values), 0.0)
         if _is_height(key) and max(abs(value), *map(abs, values)) <= LEFT_OVER * scene.sheet.thickness_mm:
+            beyond = 0.0
+        if flat and key.endswith(OF_HEIGHTS):
             beyond = 0.0
         found[key] = beyond / _scale(key, (lean, *full), scene)
     return found
