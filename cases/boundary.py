@@ -15,7 +15,7 @@ from fdsolver.material import Sheet
 from fdsolver.model import Model
 from fdsolver.problem import Problem
 from fdsolver.relax import Settings
-from fdsolver.symmetry import Symmetry
+from fdsolver.symmetry import Symmetry, refuse_unsymmetric
 
 
 def grid_of(scene: Scene) -> Callable[[int], Grid]:
@@ -53,16 +53,35 @@ def edges_of(scene: Scene) -> dict[str, EdgeCondition]:
     }
 
 
-def symmetry_of(scene: Scene) -> Symmetry | None:
-    """What the scene assumes its state to keep; None for the whole sheet."""
+def symmetry_of(scene: Scene, model: Model) -> Symmetry | None:
+    """What a run of a model keeps of the scene's symmetry; None where it solves the whole sheet.
+
+    By itself only a relaxed membrane under axisymmetric loads keeps one: its energy is convex in the gradient, so the
+    mean of an equilibrium over all rotations about the axis is another, of no more energy.
+    """
     reduce, parity = scene.symmetry.reduce, scene.symmetry.parity
+    if reduce == "auto" and not _is_axisymmetric(scene, model):
+        return None
     if reduce == "none":
         return None
-    if reduce == "axisymmetric":
+    if reduce in ("auto", "axisymmetric"):
         return Symmetry("sector", parity)
     if reduce.startswith("sector:"):
         return Symmetry("sector", parity, int(reduce.partition(":")[2]))
     return Symmetry(reduce, parity)
+
+
+def _is_axisymmetric(scene: Scene, model: Model) -> bool:
+    """Whether relaxed energy and loads leave one ray of nodes to solve, for a run that need not factorise the whole."""
+    convex = model.relaxed and not model.bending
+    whole = scene.start.source is not None or scene.solver.finish == "on"
+    if not convex or whole or not isinstance(scene.sheet, AnnulusSheet):
+        return False
+    try:
+        refuse_unsymmetric(Symmetry("sector"), edges_of(scene), "annulus", scene.sheet.size_mm)
+    except ValueError:
+        return False
+    return True
 
 
 def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
@@ -81,7 +100,7 @@ def problem_of(scene: Scene, model: Model, seed: int) -> Problem:
         perturbation=perturbation,
         seed=seed,
         initial=_initial(scene),
-        symmetry=symmetry_of(scene),
+        symmetry=symmetry_of(scene, model),
     )
 
 

@@ -168,7 +168,7 @@ def _check_symmetry(reading: Reading) -> None:
     if symmetry is None or reading.shape in (None, AnnulusSheet):
         return
     if symmetry.reduce == "axisymmetric" or symmetry.reduce.startswith("sector"):
-        words = one_of(("none", "half-x", "half-y", "quarter"))
+        words = one_of(("auto", "none", "half-x", "half-y", "quarter"))
         message = f"only an annulus can be reduced so; {_article(reading.shape)} allows {words}"
         reading.wrong(("symmetry", "reduce"), shown(symmetry.reduce), message)
 

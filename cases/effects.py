@@ -17,7 +17,7 @@ from cases.boundary import edges_of, grid_of, symmetry_of
 from cases.schema import Scene
 from cases.survey import COMPRESSED, loads_in_plane, stiffness_against_buckling, survey
 from fdsolver.model import Model
-from fdsolver.symmetry import reduction, refuse_unsymmetric
+from fdsolver.symmetry import Symmetry, reduction, refuse_unsymmetric
 
 JUSTIFIED, NOT_JUSTIFIED = "justified", "not justified"
 NODES_PER_WRINKLE = 6.0
@@ -96,21 +96,6 @@ def decide(scene: Scene, model: Model) -> tuple[Model, Effects]:
         "strain_gradient": gradient,
         "kinematics": Effect(not moderate, words),
     }
-    symmetry = symmetry_of(scene)
-    if symmetry is not None:
-        try:
-            grid = grid_of(scene)(scene.mesh.nodes)
-            if grid.nodes > 1.2 * scene.mesh.nodes:
-                raise EffectError(
-                    f"symmetry.reduce = {scene.symmetry.reduce!r} needs at least {grid.nodes} nodes."
-                )
-            refuse_unsymmetric(symmetry, edges_of(scene), grid.shape, grid.length_mm)
-            reduction(grid, symmetry)
-        except EffectError:
-            raise
-        except ValueError as reason:
-            raise EffectError(f"symmetry.reduce = {scene.symmetry.reduce!r}: {reason}.") from reason
-        effects["symmetry"] = Effect(False, f"the scene asks for {scene.symmetry.reduce}, {symmetry.parity}")
     chosen = replace(
         model,
         out_of_plane=out_of_plane.on,
@@ -119,7 +104,26 @@ def decide(scene: Scene, model: Model) -> tuple[Model, Effects]:
         strain_gradient=gradient.on or not curved,
         moderate=moderate,
     )
+    if (symmetry := symmetry_of(scene, chosen)) is not None:
+        effects["symmetry"] = _symmetry(scene, symmetry)
     return chosen, effects
+
+
+def _symmetry(scene: Scene, symmetry: Symmetry) -> Effect:
+    """The part of the sheet that is left out. Raises EffectError where mesh or loads do not have the symmetry."""
+    grid = grid_of(scene)(scene.mesh.nodes)
+    if not scene.symmetry.asked:
+        why = f"axisymmetric loads and a convex energy: one of {grid.ni} rays of nodes is solved"
+        return Effect(False, why, 0.0)
+    asked = f"symmetry.reduce = {scene.symmetry.reduce!r}"
+    if grid.nodes > 1.2 * scene.mesh.nodes:
+        raise EffectError(f"{asked} needs at least {grid.nodes} nodes.")
+    try:
+        refuse_unsymmetric(symmetry, edges_of(scene), grid.shape, grid.length_mm)
+        reduction(grid, symmetry)
+    except ValueError as reason:
+        raise EffectError(f"{asked}: {reason}.") from reason
+    return Effect(False, f"the scene asks for {scene.symmetry.reduce}, {symmetry.parity}")
 
 
 def _out_of_plane(scene: Scene, model: Model) -> Effect:

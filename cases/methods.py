@@ -196,7 +196,7 @@ def _refuse_options(scene: Scene, method: Method) -> None:
     """Refuse keys whose meaning would otherwise silently be dropped. Raises MethodError."""
     from_mode = (scene.start.source or "").startswith("mode:")
     later = {
-        f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.reduce != "none"
+        f"symmetry.reduce = {scene.symmetry.reduce!r}": scene.symmetry.asked
         and method.name != "postbuckling"
         and method.model is None,
         f"start.from = {scene.start.source!r}": from_mode and method.name not in ("koiter", "postbuckling"),
@@ -205,7 +205,7 @@ def _refuse_options(scene: Scene, method: Method) -> None:
         and scene.start.source is not None
         and not (from_mode and method.name == "postbuckling"),
         "solver.finish = 'on' on a part of a symmetric sheet": scene.solver.finish == "on"
-        and scene.symmetry.reduce != "none"
+        and scene.symmetry.asked
         and method.model is not None,
         "effects.kinematics = 'moderate'": scene.effects.kinematics == "moderate" and method.model is None,
         "effects.out_of_plane = 'off'": scene.effects.out_of_plane == "off" and method.model is None,
@@ -221,7 +221,7 @@ def _refuse_options(scene: Scene, method: Method) -> None:
     asked = [key for key, is_asked in later.items() if is_asked]
     if asked:
         raise MethodError(f"{' and '.join(asked)} cannot be solved by {method.name}.")
-    if method.model is not None and (scene.symmetry.reduce != "none" or scene.effects != Effects()):
+    if method.model is not None and (scene.symmetry.asked or scene.effects != Effects()):
         try:
             effects.decide(scene, method.model())
         except effects.EffectError as reason:

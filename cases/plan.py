@@ -78,7 +78,7 @@ def plan(scene: Scene, method: str = "auto", accuracy: float | None = None) -> P
     model, decided = effects_of_scene.decide(sized, chosen.model())
     tolerance = scene.solver.tolerance or chosen.tolerance
     tried = pilot(sized, model, tolerance, BESIDE / rate(model))
-    counts = _solved_nodes(sized)
+    counts = _solved_nodes(sized, model)
     spacing = math.sqrt(_area(scene) / nodes)
     per_wrinkle = found.wrinkles.wavelength_mm / spacing
     return Plan(
@@ -118,10 +118,10 @@ def _nodes_for_wrinkles(scene: Scene, found: Survey) -> int | None:
     return min(math.ceil(_area(scene) * (PER_WRINKLE / found.wrinkles.wavelength_mm) ** 2), LARGEST_NODES)
 
 
-def _solved_nodes(scene: Scene) -> list[int]:
+def _solved_nodes(scene: Scene, model: Model) -> list[int]:
     """Nodes that are solved for on every nested mesh, coarsest first: of a symmetric sheet those of its part."""
     counts = level_nodes(scene.mesh.nodes, scene.solver.levels)
-    symmetry = symmetry_of(scene)
+    symmetry = symmetry_of(scene, model)
     if symmetry is None:
         return counts
     grid = grid_of(scene)(scene.mesh.nodes)

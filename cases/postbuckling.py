@@ -127,7 +127,7 @@ def stability_of(scene: Scene, found: Postbuckled) -> dict[str, object]:
     problem = found.problem
     if not found.converged:
         return {"stable": None, "how": "not examined: the run has not converged", "lowest": None}
-    mirrors, whole = problem.mirrors, scene.symmetry.reduce == "none"
+    mirrors, whole = problem.mirrors, not scene.symmetry.asked
     classes = [
         replace(mirrors, turned_x=bool(x), turned_y=bool(y))
         for x in range(1 + (whole and mirrors.x != 0))

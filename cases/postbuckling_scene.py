@@ -30,9 +30,9 @@ def unfit(scene: Scene) -> str | None:
     if isinstance(scene.sheet, RectangleSheet) and any(e.grow_mm for e in scene.edges.values()):
         return "only a circular edge can grow"
     wanted, found = scene.symmetry.reduce, available(scene)
-    needs = {"half-x": "x", "half-y": "y", "quarter": "xy", "none": ""}.get(wanted)
+    needs = {"half-x": "x", "half-y": "y", "quarter": "xy", "none": "", "auto": ""}.get(wanted)
     if needs is None:
-        return f'symmetry.reduce can be "none", "half-x", "half-y" or "quarter" here, not "{wanted}"'
+        return f'symmetry.reduce can be "auto", "none", "half-x", "half-y" or "quarter" here, not "{wanted}"'
     if missing := [axis for axis in needs if not found[axis]]:
         return f"the supports are no mirror images across {' and '.join(f'{axis} = 0' for axis in missing)}"
     return None

@@ -8,7 +8,7 @@ from fdsolver.model import Model
 
 def unfit(scene: Scene) -> str | None:
     """Why the published scheme cannot solve a scene; None if it can."""
-    if scene.symmetry.reduce != "none":
+    if scene.symmetry.asked:
         return "its ghost layer does not continue across a symmetry line; solve the whole sheet"
     if isinstance(scene.sheet, RectangleSheet):
         return None

@@ -35,7 +35,7 @@ def _printable(text: object) -> object:
 def _symmetry(text: object) -> object:
     """Refuse a word that is no symmetry reduction."""
     if isinstance(text, str) and not re.fullmatch(
-        r"none|half-x|half-y|quarter|axisymmetric|sector:[1-9]\d{0,3}", text
+        r"auto|none|half-x|half-y|quarter|axisymmetric|sector:[1-9]\d{0,3}", text
     ):
         raise ValueError("not a symmetry")
     return text
@@ -63,8 +63,10 @@ Reduction = Annotated[
     str,
     BeforeValidator(_symmetry),
     Field(
-        description='"none", "half-x", "half-y", "quarter", "axisymmetric" or "sector:N", N from 1 to 9999',
-        json_schema_extra={"choices": ["none", "half-x", "half-y", "quarter", "axisymmetric", "sector:6"]},
+        description='"auto", "none", "half-x", "half-y", "quarter", "axisymmetric" or "sector:N", N from 1 to 9999',
+        json_schema_extra={
+            "choices": ["auto", "none", "half-x", "half-y", "quarter", "axisymmetric", "sector:6"]
+        },
     ),
 ]
 Bias = Annotated[float | None, Field(ge=0.0, le=5.0, description="a number from 0 (uniform) to 5")]
@@ -193,10 +195,18 @@ class Effects(Table):
 
 
 class Symmetry(Table):
-    """The part of the sheet that is solved, and how z continues across the cut."""
+    """The part of the sheet that is solved, and how z continues across the cut.
 
-    reduce: Reduction = "none"
+    "auto" solves a part where nothing is assumed by it, and else the whole sheet.
+    """
+
+    reduce: Reduction = "auto"
     parity: Literal["even", "odd"] = "even"
+
+    @property
+    def asked(self) -> bool:
+        """Whether the scene itself asks for a part of the sheet."""
+        return self.reduce not in ("auto", "none")
 
 
 class Mesh(Table):

@@ -84,8 +84,8 @@ class ReducedForce(Force):
 
     @property
     def local(self) -> bool:
-        """Whether every ghost line follows a line beside it, as beyond a mirror line."""
-        return bool(np.all(np.abs(self.lines[:, 1] - self.lines[:, 2]) <= 2))
+        """Whether every ghost line is the one beyond a mirror line, and follows the line on its other side."""
+        return bool(np.all(np.abs(self.lines[:, 1] - self.lines[:, 2]) == 2))
 
     def hold(self, field: np.ndarray) -> None:
         """Put zero where a mirror line holds a component."""

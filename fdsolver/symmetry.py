@@ -164,7 +164,7 @@ def reduction(grid: Grid, symmetry: Symmetry) -> Reduction:
         rows, columns = (lines, columns) if along == 0 else (rows, lines)
         links.append(Link(along, 0, 2, turn))
         held += _held(along, 1, turn)
-    return _assemble(grid, rows, columns, links, held, _group(mirrors))
+    return _mirrored_parts(grid, rows, columns, links, held, _group(mirrors))
 
 
 def _held(along: int, line: int, turn: np.ndarray) -> list[tuple[int, int, int]]:
@@ -193,7 +193,7 @@ def _closed_part(grid: Grid, symmetry: Symmetry) -> Reduction:
     links = [Link(0, 0, 2, turns[0]), Link(0, count - 1, count - 3, turns[1])]
     held = _held(0, 1, turns[0]) + _held(0, count - 2, turns[1])
     group = _group([mirror(axis, symmetry.parity) for axis in symmetry.axes])
-    return _assemble(grid, rows, np.arange(grid.nj), links, held, group)
+    return _mirrored_parts(grid, rows, np.arange(grid.nj), links, held, group)
 
 
 def _sector(grid: Grid, sectors: int) -> Reduction:
@@ -204,8 +204,36 @@ def _sector(grid: Grid, sectors: int) -> Reduction:
     step = -2.0 * math.pi / sectors
     rows = np.arange(-1, count + 1) % grid.ni
     links = [Link(0, 0, count, rotation(-step)), Link(0, count + 1, 1, rotation(step))]
-    group = [rotation(k * step) for k in range(sectors)]
-    return _assemble(grid, rows, np.arange(grid.nj), links, [], group)
+    turns = np.array([rotation(k * step) for k in range(sectors)])
+    sector, row = np.divmod(np.arange(grid.ni), count)
+    source = (1 + row)[:, None] * grid.nj + np.arange(grid.nj)
+    turn = np.repeat(turns[sector], grid.nj, axis=0)
+    return _assemble(grid, rows, np.arange(grid.nj), links, [], sectors, (source.ravel(), turn))
+
+
+def _mirrored_parts(
+    grid: Grid,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    links: list[Link],
+    held: list[tuple[int, int, int]],
+    group: list[np.ndarray],
+) -> Reduction:
+    """The reduction of a mesh to some of its lines, whose mirror images make the whole."""
+    images = _sources(grid, _part(grid, rows, columns), _shares(rows, columns, links, held) > 0.0, group)
+    return _assemble(grid, rows, columns, links, held, len(group), images)
+
+
+def _shares(
+    rows: np.ndarray, columns: np.ndarray, links: list[Link], held: list[tuple[int, int, int]]
+) -> np.ndarray:
+    """(len(rows), len(columns)): 1 at nodes inside, 1/2 on a mirror line, 0 beyond."""
+    share = np.ones((len(rows), len(columns)))
+    for line in {(axis, line) for axis, line, _ in held}:
+        _line(share, *line)[:] *= 0.5
+    for link in links:
+        _line(share, link.axis, link.ghost)[:] = 0.0
+    return share
 
 
 def _assemble(
@@ -214,23 +242,17 @@ def _assemble(
     columns: np.ndarray,
     links: list[Link],
     held: list[tuple[int, int, int]],
-    group: list[np.ndarray],
+    copies: int,
+    images: tuple[np.ndarray, np.ndarray],
 ) -> Reduction:
-    """The reduction of a mesh to some of its lines."""
-    share = np.ones((len(rows), len(columns)))
+    """The reduction of a mesh to some of its lines. images : `source` and `turn` of the reduction."""
     zones = np.ones((len(rows) - 1, len(columns) - 1))
-    for line in {(axis, line) for axis, line, _ in held}:
-        _line(share, *line)[:] *= 0.5
     for link in links:
-        _line(share, link.axis, link.ghost)[:] = 0.0
         # between two sectors the zones of the far side are the sector's own
         if held or link.ghost == 0:
             _line(zones, link.axis, min(link.ghost, zones.shape[link.axis] - 1))[:] = 0.0
-    part = _part(grid, rows, columns)
-    source, turn = _sources(grid, part, share > 0.0, group)
-    return Reduction(
-        grid, part, rows, columns, tuple(links), tuple(held), share, zones, len(group), source, turn
-    )
+    part, share = _part(grid, rows, columns), _shares(rows, columns, links, held)
+    return Reduction(grid, part, rows, columns, tuple(links), tuple(held), share, zones, copies, *images)
 
 
 def _line(field: np.ndarray, axis: int, line: int) -> np.ndarray:

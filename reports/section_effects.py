@@ -156,9 +156,9 @@ def _restricted(rows: Sequence[Row]) -> list[Block]:
         for row in rows
     )
     text = (
-        "Bending only where the tension field says that the sheet can wrinkle was tried and dropped: wrinkles reach"
-        " into what the tension field calls tense, so that it would never be justified, and the stretch without"
-        " bending stiffness beside them slows the relaxation down."
+        "Bending only where the tension field says that the sheet can wrinkle was tried and dropped. Where wrinkles"
+        " reach into what the tension field calls tense the answer changes, and the stretch without bending stiffness"
+        " beside them slows the relaxation down; where they do not, there is little to save."
     )
     return [Text(text, items)]
 

@@ -25,6 +25,7 @@ EVERYTHING_ON = {
     "effects.out_of_plane": "on",
     "effects.strain_gradient": "on",
     "effects.kinematics": "finite",
+    "symmetry.reduce": "none",
 }
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from cases import load_scene, run
 from cases.audit import audit
+from cases.boundary import problem_of
 from cases.effects import EffectError, choose_method, decide, not_justified
 from cases.methods import METHODS, MethodError, choose, effects_of
 from cases.results import read_document
@@ -218,6 +219,43 @@ def test_a_reduced_scene_gives_the_whole_sheet() -> None:
     effects = effects_of(METHODS["tension-field"], part, scene)
     assert not effects["symmetry"].on
     assert effects["symmetry"].justified == "justified"
+
+
+@pytest.mark.parametrize("name", ["annulus", "annulus-lift", "annulus-shrink"])
+def test_one_ray_of_a_relaxed_annulus_is_solved_and_gives_the_whole(name: str) -> None:
+    part, scene = solved(name, "tension-field", **{"solver.tolerance": 1e-11})
+    whole, _ = solved(name, "tension-field", **{"solver.tolerance": 1e-11, "symmetry.reduce": "none"})
+    assert part.levels[-1]["nodes"] * 10 < whole.levels[-1]["nodes"] == whole.grid.nodes == part.grid.nodes
+    assert part.status is whole.status is Status.CONVERGED
+    assert part.residual < 1e-11  # of the whole sheet
+    assert part.energy_N_mm["total"] == pytest.approx(whole.energy_N_mm["total"], rel=1e-12)
+    np.testing.assert_allclose(part.r, whole.r, rtol=0, atol=1e-9 * scene.sheet.size_mm)
+    for edge, reaction in whole.reactions.items():
+        push = np.array([*reaction.force_N, *reaction.moment_N_mm / scene.sheet.size_mm])
+        found = part.reactions[edge]
+        also = np.array([*found.force_N, *found.moment_N_mm / scene.sheet.size_mm])
+        size = max(np.abs(push).max(), whole.energy_N_mm["total"] / scene.sheet.size_mm)
+        np.testing.assert_allclose(also, push, rtol=0, atol=1e-9 * size)
+    effects = effects_of(METHODS["tension-field"], part, scene)
+    assert (effects["symmetry"].on, effects["symmetry"].justified) == (False, "justified")
+    assert "rays of nodes" in effects["symmetry"].why
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        (KOITER, {}),
+        (MEMBRANE, {}),
+        (TENSION_FIELD, {"symmetry.reduce": "none"}),
+        (TENSION_FIELD, {"solver.finish": "on"}),
+        (TENSION_FIELD, {"edges.inner.move_mm": [1.0, 0.0, 125.0]}),
+    ],
+)
+def test_the_whole_annulus_is_solved_where_a_ray_may_not_do(model, changes: dict[str, object]) -> None:
+    """Plates and membranes buckle out of their axisymmetric states; sideways loads have none."""
+    scene = load_scene("annulus", {"mesh.nodes": 600, **changes})
+    assert "symmetry" not in decide(scene, model)[1]
+    assert problem_of(scene, model, seed=0).symmetry is None
 
 
 def test_a_state_with_an_excluded_mode_is_not_justified() -> None:

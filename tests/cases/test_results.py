@@ -51,7 +51,13 @@ def test_the_result_has_every_key_of_the_contract(solved: tuple[Solution, Path])
     assert set(document["sections"]) == {"ring_1", "ring_2", "ring_3"}
     for measures in document["sections"].values():
         assert set(measures) == MEASURES
-    assert set(document["effects"]) == {"out_of_plane", "bending", "strain_gradient", "kinematics"}
+    assert set(document["effects"]) == {
+        "out_of_plane",
+        "bending",
+        "strain_gradient",
+        "kinematics",
+        "symmetry",
+    }
     for effect in document["effects"].values():
         assert set(effect) == {"on", "why", "size", "justified"}
     assert not document["effects"]["bending"]["on"]
