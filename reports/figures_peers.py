@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 LOOKS = {
     "wrinklebench": ("#0072B2", "o"),
     "wrinklebench, limit": ("#56B4E9", "*"),
+    "wrinklebench, quarter": ("#4477AA", "p"),
+    "wrinklebench, quarter, limit": ("#99DDFF", "P"),
     "ngsolve": ("#D55E00", "s"),
     "dolfinx": ("#009E73", "D"),
     "felupe": ("#CC79A7", "^"),

@@ -30,7 +30,7 @@ from cases.machine import machine
 from cases.mesh_sequence import mesh_limit
 
 HERE = Path(__file__).resolve().parent
-OWN, LIMIT = "wrinklebench", "wrinklebench, limit"
+OWN, QUARTER, LIMIT = "wrinklebench", "wrinklebench, quarter", "{}, limit"
 SHARED = "problem"  # meshes and starts, which no peer is charged with
 PROBLEMS = {
     "annulus": ("energy_N_mm", "torque_N_mm"),
@@ -43,6 +43,7 @@ PLAN = {
     (OWN, "own", "annulus"): (1200, 2500, 5000, 10_000, 20_000, 40_000, 80_000),
     (OWN, "own", "hole"): (1000, 2000, 4000, 8000, 12_000, 20_000),
     (OWN, "own", "stretch"): (7500, 15_000, 30_000, 60_000, 120_000),
+    (QUARTER, "own_quarter", "stretch"): (7500, 10_000, 15_000, 30_000, 60_000, 120_000),
     ("ngsolve", "ngsolve_relaxed", "annulus"): (1, 2, 3, 4, 6),
     ("ngsolve", "ngsolve_relaxed", "hole"): (1, 2, 4, 6),
     ("ngsolve", "ngsolve_plate", "stretch"): (10, 16, 24, 32),
@@ -62,8 +63,8 @@ OMITTED = {
 
 def lines_of(script: str) -> int:
     """Statements of a script and of the modules beside it that it uses, or the lines of our scene file and command."""
-    if script == "own":
-        return 1 + _scene_lines()
+    if script.startswith("own"):
+        return 1 + _scene_lines() + (script == "own_quarter")
     tree = ast.parse((HERE / f"{script}.py").read_text(encoding="utf-8"))
     statements = [node for node in ast.walk(tree) if isinstance(node, ast.stmt)]
     texts = [
@@ -88,7 +89,7 @@ def solved(python: str, script: str, problem: str, mesh: int, seconds: int) -> d
     """The answer of one run, with CPU seconds and peak memory of the whole process and of those it called."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     top = str(HERE.parents[2])
-    environment["PYTHONPATH"] = top if script == "own" else ""
+    environment["PYTHONPATH"] = top if script.startswith("own") else ""
     command = [python, str(HERE / f"{script}.py"), problem, str(mesh)]
     before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     with tempfile.TemporaryFile("w+") as out:
@@ -179,7 +180,7 @@ def rows_of(row: dict[str, Any]) -> list[dict[str, Any]]:
     limits = row.pop("limits", {})
     if None in limits.values() or not limits:
         return [row]
-    return [row, {**row, "peer": LIMIT, "values": limits}]
+    return [row, {**row, "peer": LIMIT.format(row["peer"]), "values": limits}]
 
 
 def write(runs: list[dict[str, Any]], omitted: dict[str, str], out: Path) -> None:
@@ -209,7 +210,11 @@ def main() -> None:
     parser.add_argument("--seconds", type=int, default=120, help="CPU limit of each run (default: 120)")
     parser.add_argument("--out", type=Path, default=Path("runs/benchmark/peers.json"))
     words = parser.parse_args()
-    pythons = {OWN: sys.executable, **dict(word.split("=", 1) for word in words.python)}
+    pythons = {
+        OWN: sys.executable,
+        QUARTER: sys.executable,
+        **dict(word.split("=", 1) for word in words.python),
+    }
     compare(pythons, words.seconds, words.out, words.problems.split(","))
 
 

@@ -15,8 +15,8 @@ NAMES = {
 PROBLEM, NODES = asked()
 
 
-def solve():
-    scene = load_scene(PROBLEM)
+def solve(changes=None):
+    scene = load_scene(PROBLEM, changes or {})
     solution = run(scene, METHODS[PROBLEM], nodes=NODES)
     if solution.status.value != "converged":
         raise ArithmeticError(solution.message)
@@ -24,7 +24,9 @@ def solve():
     names = NAMES[PROBLEM]
     values = {name: found[quantity].value for name, quantity in names.items()}
     limits = {name: found[quantity].limit for name, quantity in names.items()}
-    unknowns = solution.grid.nodes * (2 if PROBLEM == "hole" else 3)
+    unknowns = int(solution.levels[-1]["nodes"]) * (
+        2 if PROBLEM == "hole" else 3
+    )  # of the part that is solved
     versions = {"wrinklebench": f"{code()['version'] or 'source'} {code()['source_sha256'][:8]}"}
     answer(values, solution.cpu_seconds, unknowns, solution.steps, versions, limits)
 
