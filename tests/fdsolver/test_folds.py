@@ -27,7 +27,7 @@ def verdict(grid: Grid, r: np.ndarray) -> tuple[Status, list[str]]:
 
 
 def of_widths(widths: np.ndarray, pull: float = 1.1) -> np.ndarray:
-    """The strip pulled along x by a stretch, every column of zones drawn to a width of its own; a negative one lies upside down."""
+    """The strip stretched along x, every column of zones to a width of its own; a negative one lies upside down."""
     y = np.cumsum(np.concatenate([[0.0], widths * np.diff(STRIP.u[0, :, 1])]))
     x = pull * STRIP.u[..., 0]
     return np.stack([x, np.broadcast_to(y, x.shape), np.zeros_like(x)], axis=-1)
