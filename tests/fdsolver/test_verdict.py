@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from fdsolver.fields import TENSE, WRINKLED, hourglass_share, zone_fields
+from fdsolver.folds import folded_zones, turned_over
 from fdsolver.grid import Grid
 from fdsolver.material import Sheet
 from fdsolver.meshes import annulus, rectangle
 from fdsolver.result import Status
-from fdsolver.verdict import folded_zones, judge, turned_over
+from fdsolver.verdict import judge
 
 SHEET = Sheet(1.0, 0.3, 0.1)
 STRIP = rectangle(100.0, 60.0, 600)
