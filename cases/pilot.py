@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from cases.boundary import grid_of, problem_of, settings_of
+from cases.boundary import grid_of, problem_of, settings_of, symmetry_of
 from cases.schema import Scene
 from cases.survey import loads_in_plane
 from fdsolver.finish import MOST_RELAXED
@@ -25,7 +25,7 @@ NODES = 5000  # of the pilot's fine mesh, at least
 OVER_COARSE = 2  # nodes of its fine mesh over those of its coarse one, at least
 MOST_STEPS = 100_000
 MOST_SECONDS = 20.0
-# Steps per square root of the nodes, over those on a mesh with a quarter of the nodes: plates 0.6 to 1.1, relaxed
+# Steps per node along the sheet, over those on a mesh with a quarter of the nodes: plates 0.6 to 1.1, relaxed
 # membranes 0.7 to 1.2 on meshes from 5 000 to 80 000 nodes.
 FINER = 0.8
 # CPU seconds per node that the tangent of a flat state and its lowest eigenvalue take (1 000 to 20 000 nodes)
@@ -38,6 +38,7 @@ class Pilot:
 
     finished : whether it converged. node_seconds, examined : CPU seconds that one step of one node and the examination
     of one node should have taken; cpu_seconds : those of the whole run, which say how fast the machine is just now.
+    dimensions : 2, or 1 of a ray of nodes.
     """
 
     levels: tuple[tuple[int, int, int], ...]
@@ -45,14 +46,15 @@ class Pilot:
     node_seconds: float
     examined: float
     cpu_seconds: float
+    dimensions: int = 2
 
     def steps(self, counts: Sequence[int]) -> list[float]:
         """Steps to expect on nested meshes of these node counts, coarsest first."""
         found = []
         for k, count in enumerate(counts):
             nodes, steps, _ = self._like(k)
-            finer = FINER ** math.log(max(count / nodes, 1.0), 4.0)
-            found.append(steps * math.sqrt(count / nodes) * finer)
+            along = (count / nodes) ** (1.0 / self.dimensions)
+            found.append(steps * along * FINER ** math.log2(max(along, 1.0)))
         return found
 
     def seconds(self, counts: Sequence[int]) -> float:
@@ -97,7 +99,9 @@ def pilot(scene: Scene, model: Model, tolerance: float, node_seconds: float) -> 
     )
     examined = 0.0 if model.relaxed or not loads_in_plane(scene) else EXAMINED
     finished = solution.status is Status.CONVERGED
-    return Pilot(levels, finished, node_seconds, examined, solution.cpu_seconds)
+    symmetry = symmetry_of(scene, model)
+    dimensions = 1 if symmetry is not None and symmetry.axisymmetric else 2
+    return Pilot(levels, finished, node_seconds, examined, solution.cpu_seconds, dimensions)
 
 
 def _like_a_coarse_level(problem: Problem, counts: Sequence[int], scene: Scene) -> Problem:

@@ -124,9 +124,7 @@ def _solved_nodes(scene: Scene, model: Model) -> list[int]:
     symmetry = symmetry_of(scene, model)
     if symmetry is None:
         return counts
-    grid = grid_of(scene)(scene.mesh.nodes)
-    share = reduction(grid, symmetry).part.nodes / grid.nodes
-    return [round(share * count) for count in counts]
+    return [reduction(grid_of(scene)(count), symmetry).part.nodes for count in counts]
 
 
 def _memory(counts: list[int], model: Model, examined: bool) -> float:

@@ -39,6 +39,11 @@ class Symmetry:
     sectors: int = 0
 
     @property
+    def axisymmetric(self) -> bool:
+        """Whether one ray of nodes is left."""
+        return self.reduce == "sector" and self.sectors == 0
+
+    @property
     def axes(self) -> tuple[str, ...]:
         """The mirrored coordinates."""
         return {"half-x": ("x",), "half-y": ("y",), "quarter": ("x", "y")}.get(self.reduce, ())

@@ -62,6 +62,11 @@ def test_symmetry_and_effects_cost_less() -> None:
     assert plane.memory_MB < space.memory_MB
 
 
+def test_the_steps_of_a_ray_grow_with_its_nodes() -> None:
+    tried = Pilot(((50, 900, 0), (100, 500, 0)), True, 1e-7, 0.0, cpu_seconds=1.0, dimensions=1)
+    assert tried.steps([50, 100, 200])[2] == pytest.approx(500 * 2 * FINER)
+
+
 def test_a_pilot_foretells_finer_meshes() -> None:
     """Steps grow with the nodes along the sheet; seconds with the work, of which some is no stepping."""
     tried = Pilot(((1000, 900, 100), (4000, 500, 0)), True, node_seconds=1e-7, examined=0.0, cpu_seconds=2.0)

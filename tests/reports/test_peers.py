@@ -30,6 +30,7 @@ RUNS = [
     run("wrinklebench", 100, 1.0, 5e-3),
     run("wrinklebench", 400, 4.0, 5e-5),
     run("wrinklebench, limit", 400, 4.0, 5e-5),
+    run("wrinklebench, quarter", 400, 0.5, 5e-5),
     run("ngsolve", 50, 2.0, 1e-5),  # right by chance: the next mesh is not
     run("ngsolve", 200, 8.0, 2e-4),
     run("ngsolve", 800, 30.0),
@@ -52,11 +53,11 @@ def test_the_section_has_ratios_failures_and_what_was_left_out(tmp_path):
     blocks = section_peers.build(section_peers.read_peers(tmp_path)).blocks
     equal, programs = (block for block in blocks if isinstance(block, Table))
     assert [cells[:2] + cells[-2:] for cells in equal.rows] == [
-        ("hole", "1", "0.50", "2.0"),
-        ("hole", "0.1", "2.0", "2.0"),
+        ("hole", "1", "0.50", "0.25"),
+        ("hole", "0.1", "2.0", "0.25"),
         ("hole", "0.01", "–", "–"),
     ]
-    assert programs.rows[2][5] == "2 of 3"
+    assert programs.rows[3][5] == "2 of 3"
     texts = [block for block in blocks if isinstance(block, Text)]
     assert texts[0].items == ("ngsolve, hole, mesh 800: gave up",)
     assert texts[1].items == ("calculix: not installed here",)
@@ -67,7 +68,7 @@ def test_the_figure_draws_failures_above_the_frame():
     (ax,) = make_figure(drawing).axes
     crosses = [line for line in ax.lines if line.get_marker() == "x"]
     assert [float(line.get_xdata()[0]) for line in crosses] == [60.0]
-    assert {line.get_label() for line in ax.lines if line.get_marker() in "os*"} == {
+    assert {line.get_label() for line in ax.lines if line.get_marker() in "os*p"} == {
         run["peer"] for run in RUNS
     }
 
