@@ -9,13 +9,15 @@ from cases import load_scene
 from cases.envelope import envelope
 from cases.probe import sample_section
 from fdsolver.result import Solution
-from tests.benchmarks.checkerboard import critical_thickness
+from tests.benchmarks.checkerboard import least_stress_across, spread_of_envelope
 from tests.benchmarks.published_runs import HEALTHY, pulled, solved
 
 UNIFORM = {"mesh.bias": 0.0}
 LONG_CELLS = {"mesh.cell_ratio": 3.0}  # three times as long along the pull
 # A start as high as the sheet is thick: between lower ones and the checkerboard stand the wrinkles.
 HIGH_START = {"start.perturbation": 1e-3}
+# Where there are no wrinkles a checkerboard grows so slowly that a relaxation may end before it shows.
+PATIENT = {**HIGH_START, "solver.tolerance": 1e-10}
 
 
 def height(solution: Solution) -> np.ndarray:
@@ -159,7 +161,7 @@ def test_without_hourglass_control_it_converges_to_a_checkerboard(verify, name, 
 )
 def test_sheets_too_thick_to_wrinkle_are_left_to_the_checkerboard(verify, percent, thickness, nodes):
     """The published scheme on strips that stay flat: a checkerboard grows where the strip is compressed at all"""
-    load = {**pulled(percent), "sheet.thickness_mm": thickness}
+    load = {**pulled(percent), **PATIENT, "sheet.thickness_mm": thickness}
     name = f"published-flat-{percent:g}-{thickness:g}-{nodes}"
     verify.note("pull (%), thickness (mm), nodes", name.removeprefix("published-flat-"))
     known, _ = solved(verify, f"{name}-koiter", "stretch", "koiter", nodes, load)
@@ -169,15 +171,23 @@ def test_sheets_too_thick_to_wrinkle_are_left_to_the_checkerboard(verify, percen
     )
     flat = "the sheet is too thick to wrinkle, or not compressed"
     verify.below("conservative scheme: largest height", _crest(known), 1e-2 * thickness, flat, "mm")
-    critical = critical_thickness(known)
-    verify.note("thickness up to which a checkerboard grows, closed form", critical, "mm")
-    # growth is slow: at the usual tolerance the thicker sheet passes for at rest before it shows
-    loads = {v: {**load, "solver.tolerance": 1e-10, "solver.published": v} for v in HEALTHY}
+    stress = least_stress_across(known)
+    verify.note("least stress across the pull, mean over the width", stress, "MPa")
     found, cured = (
-        solved(verify, f"{name}-{v}", "stretch", "koiter-published", nodes, loads[v])[0] for v in HEALTHY
+        solved(verify, f"{name}-{v}", "stretch", "koiter-published", nodes, {**load, "solver.published": v})[
+            0
+        ]
+        for v in HEALTHY
     )
-    due = "hourglass" if thickness < critical else "converged"
-    verify.equal("filtered", found.status.value, due, "what the closed form says: no tension holds it")
+    due = "hourglass" if stress < 0.0 else "converged"
+    verify.equal("filtered", found.status.value, due, "compression feeds it and no tension holds it")
+    if due == "hourglass":
+        verify.below(
+            "filtered: spread of the checkerboard's envelope across the strip",
+            spread_of_envelope(found),
+            0.1,
+            "only an envelope that is uniform across escapes the tension; but for the edges",
+        )
     verify.equal("stabilised", cured.status.value, "converged", "hourglass stiffness holds a checkerboard")
     verify.below("stabilised: largest height", _crest(cured), 1e-2 * thickness, "flat as the partner", "mm")
 
