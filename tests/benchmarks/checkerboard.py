@@ -9,7 +9,7 @@ flat sheet the energy of a checkerboard is that of its envelope under the stress
 
 - under shear alone, on square cells, a checkerboard gains as much as the waves that are its envelope;
 - in a pulled strip the tension S22 does not resist a checkerboard whose envelope g(y) is uniform across, while the
-  compression S11 feeds it. It grows where right wrinkles of the same sheet are held flat by the pull, on all meshes tried.
+  compression S11 feeds it. It grows where the pull holds right wrinkles of the same sheet flat, on all meshes tried.
 """
 
 from __future__ import annotations
