@@ -17,7 +17,8 @@ from cases.boundary import edges_of, grid_of, symmetry_of
 from cases.schema import Scene
 from cases.survey import COMPRESSED, loads_in_plane, stiffness_against_buckling, survey
 from fdsolver.model import Model
-from fdsolver.symmetry import Symmetry, reduction, refuse_unsymmetric
+from fdsolver.reduction import reduction
+from fdsolver.symmetry import Symmetry, refuse_unsymmetric
 
 JUSTIFIED, NOT_JUSTIFIED = "justified", "not justified"
 NODES_PER_WRINKLE = 6.0

@@ -22,8 +22,8 @@ from cases.survey import NODES, Survey, survey
 from fdsolver.grid import quality
 from fdsolver.model import Model
 from fdsolver.multilevel import level_nodes
+from fdsolver.reduction import reduction
 from fdsolver.spatial import MOST_NODES
-from fdsolver.symmetry import reduction
 
 PER_WRINKLE = 8.0
 BESIDE = 1.3  # CPU seconds of a run's steps over those of the kernel's: masses, looks between blocks

@@ -1,7 +1,7 @@
 """A level that solves one part of a symmetric sheet, and the force that keeps the part's ghost lines.
 
 Before the kernel the ghost lines are filled with the images of the nodes inside; after it their forces are folded back
-onto these. With the energy of `symmetry` that is its exact gradient. Any kernel will do.
+onto these. With the energy of `reduction` that is its exact gradient. Any kernel will do.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from fdsolver.level import Level, make_level
 from fdsolver.model import Model
 from fdsolver.plate_linear import stiffness_bound
 from fdsolver.problem import Problem
+from fdsolver.reduction import Reduction, reduction
 from fdsolver.relax import State, residual
 from fdsolver.rows import compiled
-from fdsolver.symmetry import Reduction, Symmetry, reduction, refuse_unsymmetric, rigid_shift
+from fdsolver.symmetry import Symmetry, refuse_unsymmetric, rigid_shift
 
 MODULI = (
     (0, 1, 2, 3, 4, 5),

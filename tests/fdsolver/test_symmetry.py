@@ -17,10 +17,11 @@ from fdsolver.model import KOITER, MEMBRANE, Model
 from fdsolver.multilevel import solve
 from fdsolver.problem import Problem
 from fdsolver.reduced import ReducedLevel
+from fdsolver.reduction import reduction
 from fdsolver.relax import Settings, begin
 from fdsolver.result import Status
 from fdsolver.stability import search
-from fdsolver.symmetry import Symmetry, reduction, refuse_unsymmetric
+from fdsolver.symmetry import Symmetry, refuse_unsymmetric
 from tensionfield.relaxed import TENSION_FIELD
 from tests.dense import frequencies, mass_matrix, tangent
 
