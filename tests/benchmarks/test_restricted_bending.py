@@ -56,12 +56,16 @@ def test_bending_where_the_sheet_is_tense_is_not_left_out(verify: Verification) 
         verify.note(f"{name}: share of the zones that is tense", tense)
         verify.note(f"{name}: operations of a step that it could save", row["most_saved"])
         verify.note(f"{name}: node-steps over those of the whole plate", row["steps"])
-        verify.note(f"{name}: difference, of {quantity}", difference)
-        verify.note(f"{name}: times less work at most", less)
-        verify.equal(
-            f"{name}: it pays",
-            difference <= MOST_DIFFERENT and less >= PAYS,
-            False,
-            "the ground on which it was dropped: the answer changes, or the work is hardly less",
-        )
+        if name == "hole":
+            verify.note(f"{name}: difference, of {quantity}", difference)
+            reason = "the ground on which it was dropped: the answer is kept, but the work is hardly less"
+            verify.below(f"{name}: times less work at most", less, PAYS, reason)
+        else:
+            verify.note(f"{name}: times less work at most", less)
+            verify.above(
+                f"{name}: difference, of {quantity}",
+                difference,
+                MOST_DIFFERENT,
+                "the ground on which it was dropped: wrinkles reach into what the tension field calls tense",
+            )
     write_rows(verify.root, "restricted", rows)

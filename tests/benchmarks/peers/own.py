@@ -24,9 +24,8 @@ def solve(changes=None):
     names = NAMES[PROBLEM]
     values = {name: found[quantity].value for name, quantity in names.items()}
     limits = {name: found[quantity].limit for name, quantity in names.items()}
-    unknowns = int(solution.levels[-1]["nodes"]) * (
-        2 if PROBLEM == "hole" else 3
-    )  # of the part that is solved
+    components = 2 if PROBLEM == "hole" else 3
+    unknowns = components * int(solution.levels[-1]["nodes"])  # of the part that is solved
     versions = {"wrinklebench": f"{code()['version'] or 'source'} {code()['source_sha256'][:8]}"}
     answer(values, solution.cpu_seconds, unknowns, solution.steps, versions, limits)
 
